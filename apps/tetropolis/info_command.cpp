@@ -202,10 +202,13 @@ void print_volume(const std::string& path, const TetMesh& mesh) {
   put(stdout, path + ": volume mesh\n");
   std::map<std::int32_t, std::int64_t> over;
   for (const std::int32_t region : mesh.region) ++over[region];
-  put(stdout, fmt::format("  vertices: {}, tets: {}\n  cells over {} buildings: {}\n",
-                          mesh.points.size(), mesh.cells.size(), over.size() - over.count(-1),
-                          static_cast<std::int64_t>(mesh.cells.size()) -
-                              (over.contains(-1) ? over[-1] : 0)));
+  const std::string prisms =
+      mesh.wedges.empty() ? "" : fmt::format(", prisms: {}", mesh.wedges.size());
+  put(stdout,
+      fmt::format(
+          "  vertices: {}, tets: {}{}\n  cells over {} buildings: {}\n", mesh.points.size(),
+          mesh.cells.size(), prisms, over.size() - over.count(-1),
+          static_cast<std::int64_t>(mesh.cell_count()) - (over.contains(-1) ? over[-1] : 0)));
 }
 
 void print_surface(const std::string& path, const SurfaceMesh& surface) {
@@ -283,7 +286,9 @@ void print_report(const std::string& path, const Json& report) {
     // Graded columns have no layers; their "layers" is what uniform ones would have been.
     const bool layered =
         report.value("config", Json::object()).value("layering", "") == std::string("uniform");
-    put(stdout, fmt::format("  volume: {} tets{}, {} inverted\n", count(mesh, "cells"),
+    const bool has_prisms = mesh.contains("prisms") && mesh["prisms"].value("cells", 0) > 0;
+    put(stdout, fmt::format("  volume: {} {}{}, {} inverted\n", count(mesh, "cells"),
+                            has_prisms ? "tets and prisms" : "tets",
                             layered ? fmt::format(" in {} layers", count(mesh, "layers")) : "",
                             count(mesh, "inverted")));
   }

@@ -85,9 +85,12 @@ void say_city(const Report& report, std::vector<std::string>& lines) {
                          counted(report.input->footprint_parts, "footprint", "footprints"));
   lines.push_back(fmt::format("Built {}{}, {}", counted(city.buildings, "building", "buildings"),
                               source, where(report)));
+  const std::int64_t prisms = report.volume_mesh ? report.volume_mesh->prisms.cells : 0;
   if (report.volume_mesh)
-    lines.push_back(fmt::format("Meshed the air around: {} tetrahedra, up to elevation {:.0f} m",
-                                grouped(report.volume_mesh->cells), report.volume_mesh->top));
+    lines.push_back(fmt::format("Meshed the air around: {} tetrahedra{}, up to elevation {:.0f} m",
+                                grouped(report.volume_mesh->cells - prisms),
+                                prisms == 0 ? "" : fmt::format(" and {} prisms", grouped(prisms)),
+                                report.volume_mesh->top));
   if (const std::string line = account(report); !line.empty()) lines.push_back(line);
 }
 

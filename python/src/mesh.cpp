@@ -81,6 +81,14 @@ auto cells_over(const Mesh& mesh, std::size_t begin, std::size_t end) {
   });
 }
 
+auto wedges_of(const Mesh& mesh) {
+  const auto count = static_cast<std::size_t>(mesh.volume().layers.cells());
+  using Cell = std::array<NodeIndex, 6>;
+  return make_rows<std::int64_t, 6, Cell>(count, [&](Cell* wedges) {
+    fill_wedges(mesh.volume(), {wedges, count});
+  });
+}
+
 auto regions_over(const Mesh& mesh, std::size_t begin, std::size_t end) {
   const auto count = static_cast<std::size_t>(mesh.offsets[end] - mesh.offsets[begin]);
   return make_array<std::int32_t, BuildingIndex>(count, [&](BuildingIndex* regions) {
@@ -255,6 +263,8 @@ void bind_surface(nb::module_& module) {
           [](Surface self) { return view_rows<std::int32_t, 3>(self.p->triangles, self.h); },
           kArray)
       .def_prop_ro(
+          "quads", [](Surface self) { return view<std::int32_t>(self.p->quads, self.h); }, kArray)
+      .def_prop_ro(
           "patch", [](Surface self) { return view<std::int32_t>(self.p->patch, self.h); }, kArray)
       .def_prop_ro(
           "building", [](Surface self) { return view<std::int32_t>(self.p->building, self.h); },
@@ -279,10 +289,14 @@ void bind_mesh(nb::module_& module) {
   bind_surface(module);
   nb::class_<Mesh>(module, "Mesh", "A volume mesh as columns, and its boundary.")
       .def_prop_ro("n_points", [](const Mesh& self) { return self.volume().node_count(); })
-      .def_prop_ro("n_cells", [](const Mesh& self) { return self.offsets.back().value(); })
+      .def_prop_ro("n_cells",
+                   [](const Mesh& self) {
+                     return self.offsets.back().value() + self.volume().layers.cells();
+                   })
       .def_prop_ro("n_rows", [](const Mesh& self) { return self.offsets.size() - 1; })
       .def("points", points_of)
       .def("cells", cells_over, nb::arg("begin"), nb::arg("end"))
+      .def("wedges", wedges_of)
       .def("regions", regions_over, nb::arg("begin"), nb::arg("end"))
       .def("end_of_block", end_of_block, nb::arg("begin"), nb::arg("size"))
       .def_prop_ro("boundary", [](Mesh& self) -> SurfaceMesh& { return self.made.mesh.boundary; })

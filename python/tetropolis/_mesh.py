@@ -58,6 +58,12 @@ class Surface:
         return self._core.triangles
 
     @property
+    def quads(self) -> Ints:
+        """Positions of triangles that are, with the next one, the halves of one quadrilateral, ascending: sides of
+        prisms, in `mesh.boundary`. Triangles (a, b, c) and (a, c, d) are the face (a, b, c, d)."""
+        return self._core.quads
+
+    @property
     def patch(self) -> Ints:
         """Number of each triangle's patch, shape (m,), ascending; `patches` has the names."""
         return self._core.patch
@@ -154,7 +160,7 @@ class GroundMesh:
 
 
 class Mesh(Reported):
-    """Tetrahedra of the air over a city; made by `build_mesh`.
+    """Tetrahedra of the air over a city, and prisms with `boundary_layers`; made by `build_mesh`.
 
     The library keeps columns of nodes, about 8 bytes a node. `points`, `cells` and `region` are made of them when
     they are first asked for, and kept: some 40 bytes a cell. `cell_blocks` hands out large meshes part by part.
@@ -188,6 +194,7 @@ class Mesh(Reported):
 
     @property
     def n_cells(self) -> int:
+        """Tetrahedra and prisms."""
         return self._core.n_cells
 
     @cached_property
@@ -197,16 +204,28 @@ class Mesh(Reported):
 
     @cached_property
     def cells(self) -> Longs:
-        """Positions in `points`, shape (n_cells, 4): (p1 - p0) x (p2 - p0) . (p3 - p0) > 0."""
+        """Tetrahedra: positions in `points`, shape (n, 4): (p1 - p0) x (p2 - p0) . (p3 - p0) > 0. All cells, unless
+        there are `wedges`, too."""
         return self._core.cells(0, self._core.n_rows)
 
     @cached_property
+    def wedges(self) -> Longs:
+        """Prisms of `boundary_layers`, numbered after all tetrahedra: positions in `points`, shape (m, 6), a triangle
+        and the one above it: (p1 - p0) x (p2 - p0) . (p3 - p0) > 0."""
+        return self._core.wedges()
+
+    @cached_property
     def region(self) -> Ints:
-        """The building whose footprint each cell stands over, by position in the city, or -1; shape (n_cells,)."""
+        """The building whose footprint each tetrahedron stands over, by position in the city, or -1; shape (n,).
+        Prisms stand over none."""
         return self._core.regions(0, self._core.n_rows)
 
+    @property
+    def _no_region(self) -> Ints:
+        return np.full(len(self.wedges), -1, np.int32)
+
     def cell_blocks(self, size: int = 1_000_000) -> Iterator[tuple[int, Longs, Ints]]:
-        """`cells` and `region` in consecutive parts, for meshes that are too large as a whole.
+        """`cells` and `region` (of the tetrahedra) in consecutive parts, for meshes that are too large as a whole.
 
         Parameters
         ----------
@@ -248,9 +267,11 @@ class Mesh(Reported):
         """
         import pyvista
 
-        grid = pyvista.UnstructuredGrid({pyvista.CellType.TETRA: self.cells},
-                                        self.points + _shift(self.origin, coordinates))
-        grid.cell_data["region"] = self.region
+        cells = {pyvista.CellType.TETRA: self.cells}
+        if len(self.wedges):
+            cells[pyvista.CellType.WEDGE] = self.wedges
+        grid = pyvista.UnstructuredGrid(cells, self.points + _shift(self.origin, coordinates))
+        grid.cell_data["region"] = np.concatenate([self.region, self._no_region])
         grid.field_data["origin"] = self.origin if coordinates == "local" else (0.0, 0.0, 0.0)
         return grid
 
@@ -258,8 +279,11 @@ class Mesh(Reported):
         """With the cell data `region`. `coordinates` as for `to_pyvista`."""
         import meshio
 
-        return meshio.Mesh(self.points + _shift(self.origin, coordinates), [("tetra", self.cells)],
-                           cell_data={"region": [self.region]})
+        cells, regions = [("tetra", self.cells)], [self.region]
+        if len(self.wedges):
+            cells.append(("wedge", self.wedges))
+            regions.append(self._no_region)
+        return meshio.Mesh(self.points + _shift(self.origin, coordinates), cells, cell_data={"region": regions})
 
     @takes_settings("save")
     def save(self, path: str | os.PathLike[str], *, progress: Progress = None, **settings: Unpack[Save]) -> None:
@@ -300,7 +324,8 @@ class Mesh(Reported):
         return show(self.to_html())
 
     def __repr__(self) -> str:
-        return f"<tetropolis.Mesh: {self.n_cells} tetrahedra, {self.n_points} points, {self.crs or 'no CRS'}>"
+        kind = "tetrahedra and prisms" if self.quality["prisms"]["cells"] else "tetrahedra"
+        return f"<tetropolis.Mesh: {self.n_cells} {kind}, {self.n_points} points, {self.crs or 'no CRS'}>"
 
 
 @takes_settings("build_mesh")

@@ -46,27 +46,15 @@ struct FaceUse {
   std::int64_t high() const { return static_cast<std::int64_t>(others & 0xffffffffU); }
 };
 
-/// What is added up over the faces between two cells.
-struct FaceSums {
-  std::int64_t faces = 0, above_70 = 0;
-  double cosines = 0;
-  double least_cosine = 1;
-  double skewness = 0;
-};
-
 /// Non-orthogonality and skewness as in OpenFOAM's primitiveMeshTools: `a`, `b` are the centres of
 /// the cells, the face (p, q, r) is outward of the first.
 void measure_face(const Vector3& p, const Vector3& q, const Vector3& r, const Vector3& a,
                   const Vector3& b, FaceSums& sums) {
-  static const double cosine_of_70 = std::cos(to_radians(70));
   const Vector3 normal = cross(difference(q, p), difference(r, p));
   const Vector3 line = difference(b, a);
   const double along = dot(normal, line), line2 = dot(line, line);
   const double cosine = along / std::sqrt(dot(normal, normal) * line2);
-  ++sums.faces;
-  sums.cosines += cosine;
-  sums.least_cosine = std::min(sums.least_cosine, cosine);
-  if (!(cosine >= cosine_of_70)) ++sums.above_70;
+  sums.add_cosine(cosine);
   const Vector3 centre = centre_of(p, q, r);
   const Vector3 to_centre = difference(centre, a);
   const double share = dot(normal, to_centre) / along;
@@ -107,8 +95,11 @@ struct Matched {
 /// Matches the faces of one lowest vertex after another; keeps its buffers.
 class FaceMatcher {
  public:
-  FaceMatcher(const TetMesh& mesh, const RaggedArray<std::uint32_t>& rows)
-      : mesh_(mesh), rows_(rows) {}
+  /// `prism_rows`: of `prisms` by their lowest vertex.
+  FaceMatcher(const TetMesh& mesh, const RaggedArray<std::uint32_t>& rows,
+              const std::vector<WedgeTriangle>& prisms,
+              const RaggedArray<std::uint32_t>& prism_rows)
+      : mesh_(mesh), rows_(rows), prisms_(prisms), prism_rows_(prism_rows) {}
 
   void match(std::int64_t low, Matched& matched) {
     collect(low);
@@ -116,10 +107,15 @@ class FaceMatcher {
       return a.others != b.others ? a.others < b.others : a.cell < b.cell;
     });
     const auto cells = rows_[static_cast<std::size_t>(low)];
+    const auto of_prisms = prism_rows_[static_cast<std::size_t>(low)];
     for (std::size_t i = 0, j = 0; i < faces_.size(); i = j) {
       const FaceUse& face = faces_[i];
       while (j < faces_.size() && faces_[j].others == face.others) ++j;
-      const auto place = [&] { return place_of(mesh_, cells[face.cell]); };
+      const auto place = [&] {
+        return face.cell < cells.size()
+                   ? place_of(mesh_, cells[face.cell])
+                   : place_of_wedge(mesh_, prisms_[of_prisms[face.cell - cells.size()]].wedge);
+      };
       if (j - i == 1) {
         matched.boundary.push_back(face.ascending
                                        ? std::array<std::int64_t, 3>{low, face.mid(), face.high()}
@@ -155,6 +151,12 @@ class FaceMatcher {
       }
       centres_.push_back(centre_of(point(v[0]), point(v[1]), point(v[2]), point(v[3])));
     }
+    for (const std::uint32_t f : prism_rows_[static_cast<std::size_t>(low)]) {
+      const auto& [lowest, a, b] = prisms_[f].corners;
+      faces_.push_back({pair_of(std::min(a, b), std::max(a, b)),
+                        static_cast<std::uint32_t>(centres_.size()), a < b});
+      centres_.push_back(prisms_[f].centre);
+    }
   }
 
   static std::uint64_t pair_of(std::int64_t mid, std::int64_t high) {
@@ -170,6 +172,8 @@ class FaceMatcher {
 
   const TetMesh& mesh_;
   const RaggedArray<std::uint32_t>& rows_;
+  const std::vector<WedgeTriangle>& prisms_;
+  const RaggedArray<std::uint32_t>& prism_rows_;
   std::vector<FaceUse> faces_;
   std::vector<Vector3> centres_;
 };
@@ -186,6 +190,14 @@ double acos_deg(double cosine) { return to_degrees(std::acos(std::clamp(cosine, 
 
 }  // namespace
 
+void FaceSums::add_cosine(double cosine) {
+  static const double cosine_of_70 = std::cos(to_radians(70));
+  ++faces;
+  cosines += cosine;
+  least_cosine = std::min(least_cosine, cosine);
+  if (!(cosine >= cosine_of_70)) ++above_70;
+}
+
 void match_faces(const TetMesh& mesh, VolumeCheck& check, const Progress& progress) {
   // A cell is filed under its two lowest vertices: one of them is the lowest of each of its faces.
   const RaggedArray<std::uint32_t> rows =
@@ -194,6 +206,10 @@ void match_faces(const TetMesh& mesh, VolumeCheck& check, const Progress& progre
         use(static_cast<std::size_t>(cell.v[0]));
         if (cell.v[1] != cell.v[0]) use(static_cast<std::size_t>(cell.v[1]));
       });
+  const std::vector<WedgeTriangle> prisms = wedge_triangles(mesh);
+  const RaggedArray<std::uint32_t> prism_rows = file_under_rows(
+      prisms.size(), mesh.points.size(),
+      [&](std::size_t f, const auto& use) { use(static_cast<std::size_t>(prisms[f].corners[0])); });
   constexpr std::size_t kGrain = 1024, kBatch = 64 * kGrain;
   FaceSums sums;
   for (std::size_t start = 0; start < rows.size(); start += kBatch) {
@@ -201,7 +217,7 @@ void match_faces(const TetMesh& mesh, VolumeCheck& check, const Progress& progre
     const std::size_t size = std::min(kBatch, rows.size() - start);
     std::vector<Matched> parts((size + kGrain - 1) / kGrain);
     parallel_chunks(size, kGrain, [&](std::size_t begin, std::size_t end) {
-      FaceMatcher matcher(mesh, rows);
+      FaceMatcher matcher(mesh, rows, prisms, prism_rows);
       for (std::size_t low = start + begin; low < start + end; ++low)
         matcher.match(static_cast<std::int64_t>(low), parts[begin / kGrain]);
     });
@@ -211,7 +227,9 @@ void match_faces(const TetMesh& mesh, VolumeCheck& check, const Progress& progre
       add(sums, part.sums);
     }
   }
-  check.boundary_faces = static_cast<std::int64_t>(check.boundary.size());
+  match_quads(mesh, sums, check);
+  check.boundary_faces =
+      static_cast<std::int64_t>(check.boundary.size() + check.boundary_quads.size());
   check.faces.internal = sums.faces;
   check.faces.max_skewness = sums.skewness;
   if (sums.faces == 0) return;

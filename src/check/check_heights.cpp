@@ -55,7 +55,7 @@ struct Terrain {
 };
 
 Terrain terrain_of(const SurfaceMesh& surface, std::array<double, 3> shift, const Raster& dtm,
-                   const CityModel& city) {
+                   const CityModel& city, const std::vector<double>& layers) {
   Terrain terrain{std::vector<double>(surface.points.size(), std::nan("")),
                   std::vector<double>(surface.points.size(), -kInfinity)};
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
@@ -65,7 +65,8 @@ Terrain terrain_of(const SurfaceMesh& surface, std::array<double, 3> shift, cons
       double& height = terrain.at[static_cast<std::size_t>(v)];
       const auto& p = surface.points[static_cast<std::size_t>(v)];
       if (std::isnan(height) && is_finite(p))
-        height = height_of_terrain(dtm, city.origin, p[0] + shift[0], p[1] + shift[1]);
+        height = height_of_terrain(dtm, city.origin, p[0] + shift[0], p[1] + shift[1]) +
+                 layers[static_cast<std::size_t>(v)];
       highest = std::fmax(highest, height);
     }
     for (const std::int32_t v : surface.triangles[f]) {
@@ -258,13 +259,15 @@ class HeightChecker {
  public:
   HeightChecker(const SurfaceMesh& surface, std::array<double, 3> shift, const Raster& dtm,
                 const CityModel& city, double minimum_wall,
-                const std::optional<ExcavationSources>& excavated)
+                const std::optional<ExcavationSources>& excavated,
+                const std::vector<double>& layers)
       : surface_(surface),
         shift_(shift),
         city_(city),
         minimum_wall_(minimum_wall),
+        layers_(layers),
         sources_known_(excavated.has_value()),
-        terrain_(terrain_of(surface, shift, dtm, city)),
+        terrain_(terrain_of(surface, shift, dtm, city, layers)),
         roofs_(roofs_over_walls(surface, shift[2], city)),
         depth_(depths_of(surface, shift, terrain_, city, roofs_, excavated)) {}
 
@@ -272,6 +275,10 @@ class HeightChecker {
 
  private:
   double elevation(std::size_t v) const { return surface_.points[v][2] + shift_[2]; }
+  /// Of a wall above the layers: three fifths of these at least.
+  double minimum_wall(std::size_t v) const {
+    return std::max(minimum_wall_ - layers_[v], 0.6 * layers_[v]);
+  }
   std::string place(std::size_t v, double wanted) const;
   void check_ground(std::size_t v);
   void check_roof(std::size_t f, const RoofPlanes& planes);
@@ -280,6 +287,7 @@ class HeightChecker {
   std::array<double, 3> shift_;
   const CityModel& city_;
   double minimum_wall_;
+  const std::vector<double>& layers_;
   bool sources_known_;  ///< From where the terrain was excavated.
   Terrain terrain_;
   std::vector<double> roofs_, depth_;
@@ -303,7 +311,7 @@ void HeightChecker::check_ground(std::size_t v) {
   const double error = elevation(v) - wanted;
   if (std::abs(error) <= kHeightTolerance) {
     const double wall = roofs_[v] - elevation(v);
-    result_.perhaps_lowered += std::abs(wall - minimum_wall_) <= kNeedTolerance ? 1 : 0;
+    result_.perhaps_lowered += std::abs(wall - minimum_wall(v)) <= kNeedTolerance ? 1 : 0;
     return;
   }
   const double above_depth = elevation(v) - depth_[v];
@@ -317,7 +325,7 @@ void HeightChecker::check_ground(std::size_t v) {
   ++result_.lowered;
   // Low walls are toes, too, and without a report nobody knows which.
   if (sources_known_ && !is_excavated &&
-      terrain_.highest[v] <= roofs_[v] - minimum_wall_ - kNeedTolerance)
+      terrain_.highest[v] <= roofs_[v] - minimum_wall(v) - kNeedTolerance)
     note_violation(result_.violations, "ground vertices lowered at walls that are high enough",
                    [&] { return place(v, wanted); });
 }
@@ -397,8 +405,13 @@ HeightsCheck HeightChecker::check() {
 
 HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shift,
                            const Raster& dtm, const CityModel& city, double minimum_wall,
-                           const std::optional<ExcavationSources>& excavated) {
-  return HeightChecker(surface, shift, dtm, city, minimum_wall, excavated).check();
+                           const std::optional<ExcavationSources>& excavated,
+                           const std::vector<double>& layers) {
+  const std::vector<double> heights =
+      layers.empty() ? std::vector(surface.points.size(), 0.0) : layers;
+  SurfaceMesh lifted = surface;
+  for (std::size_t v = 0; v < heights.size(); ++v) lifted.points[v][2] += heights[v];
+  return HeightChecker(lifted, shift, dtm, city, minimum_wall, excavated, heights).check();
 }
 
 }  // namespace tetropolis

@@ -41,8 +41,12 @@ struct HeightsCheck {
 /// walls, which may be toes, are then taken for sound. `shift` is added to the surface's
 /// coordinates to get to the local frame of `dtm` and `city`. Ground vertices that are not finite
 /// are violations.
+///
+/// `layers`: height of the layers of prisms at each vertex, or empty. Walls and excavations are
+/// those above them.
 HeightsCheck check_heights(const SurfaceMesh& surface, std::array<double, 3> shift,
                            const Raster& dtm, const CityModel& city, double minimum_wall,
-                           const std::optional<ExcavationSources>& excavated);
+                           const std::optional<ExcavationSources>& excavated,
+                           const std::vector<double>& layers = {});
 
 }  // namespace tetropolis

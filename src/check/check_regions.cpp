@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -14,9 +15,9 @@ namespace tetropolis {
 
 std::vector<Violation> check_regions(const TetMesh& mesh, std::array<double, 3> shift,
                                      const CityModel& city) {
-  if (mesh.region.size() != mesh.cells.size())
+  if (mesh.region.size() != mesh.cell_count())
     return {{"no region for every cell", 1,
-             fmt::format("{} regions, {} cells", mesh.region.size(), mesh.cells.size())}};
+             fmt::format("{} regions, {} cells", mesh.region.size(), mesh.cell_count())}};
   const FootprintGrid footprints(city);
   std::vector<double> lowest_roof;  // per building
   for (const Building& building : city.buildings) {
@@ -28,10 +29,13 @@ std::vector<Violation> check_regions(const TetMesh& mesh, std::array<double, 3> 
   const auto look = [&](std::size_t begin, std::size_t end, std::vector<Violation>& violations) {
     for (std::size_t c = begin; c < end; ++c) {
       double x = shift[0], y = shift[1], lowest = std::numeric_limits<double>::infinity();
-      for (const std::int64_t v : mesh.cells[c]) {
+      const auto corners = c < mesh.cells.size()
+                               ? std::span<const std::int64_t>(mesh.cells[c])
+                               : std::span<const std::int64_t>(mesh.wedges[c - mesh.cells.size()]);
+      for (const std::int64_t v : corners) {
         const Point3& p = mesh.points[static_cast<std::size_t>(v)];
-        x += p[0] / 4;
-        y += p[1] / 4;
+        x += p[0] / static_cast<double>(corners.size());
+        y += p[1] / static_cast<double>(corners.size());
         lowest = std::min(lowest, p[2] + shift[2]);
       }
       if (!std::isfinite(x) || !std::isfinite(y)) {

@@ -32,6 +32,7 @@
 #include "check_ground.h"
 #include "check_heights.h"
 #include "check_members.h"
+#include "check_prisms.h"
 #include "check_regions.h"
 #include "check_same_boundary.h"
 #include "check_same_surface.h"
@@ -155,13 +156,30 @@ void check_ground_mesh(const SurfaceMesh& surface, std::array<double, 3> shift,
   file.facts.push_back(fmt::format("{} triangles below {} degrees", check.below, min_angle));
 }
 
-void check_heights_of(const Raster& terrain, const SurfaceMesh& surface,
+void check_heights_of(const Raster& terrain, const TetMesh& mesh, const SurfaceMesh& surface,
                       std::array<double, 3> shift, const CityModel& city,
                       const std::optional<ReportedRun>& report, CheckedFile& file) {
   const double min_wall = report ? report->report.config.min_wall_height : Config{}.min_wall_height;
+  const Config config = report ? report->report.config : Config{};
+  const LayersCheck layers =
+      check_prism_layers(mesh, surface, config.first_layer, config.boundary_layers);
   const HeightsCheck check =
       check_heights(surface, shift, terrain, city, min_wall,
-                    report ? std::optional(report->excavated) : std::nullopt);
+                    report ? std::optional(report->excavated) : std::nullopt, layers.height);
+  if (layers.columns > 0) {
+    file.facts.push_back(
+        fmt::format("layers: growth at most {:.4f}; the lowest is {} m high over "
+                    "{:.2f} % of the ground",
+                    layers.greatest_growth, config.first_layer, 100 * layers.share_as_asked));
+    if (report && report->has_mesh()) {
+      compare("growth of layers", layers.greatest_growth, 0, config.layer_growth,
+              config.layer_growth + 1e-6, file);
+      const double share = layers.share_as_asked;
+      compare("share of lowest layers as high as asked",
+              report->report.volume_mesh->prisms.share_as_asked, share - 1e-6, share, share + 1e-6,
+              file);
+    }
+  }
   file.violations.insert(file.violations.end(), check.violations.begin(), check.violations.end());
   file.facts.push_back(fmt::format(
       "{} ground vertices on the terrain ({} lowered at walls, around roofs and at slope toes), {} "
@@ -210,7 +228,7 @@ CheckedFile check_against_city(const std::string& name, const Sources& sources, 
   file.facts.emplace_back("regions of cells compared with the footprints");
   check_ground_mesh(surface, shift, city, report, file);
   if (sources.read_terrain)
-    check_heights_of(sources.read_terrain->raster, surface, shift, city, report, file);
+    check_heights_of(sources.read_terrain->raster, mesh, surface, shift, city, report, file);
   else
     file.not_checked.push_back(
         fmt::format("heights (there is no {})", sources.terrain_wanted.string()));

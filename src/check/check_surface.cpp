@@ -142,10 +142,20 @@ std::array<Vector3, 3> corners(const SurfaceMesh& surface, std::size_t f) {
           surface.points[static_cast<std::size_t>(t[2])]};
 }
 
+/// Whether triangles f and f + 1 are, to a ten-thousandth of a degree.
+bool is_plane(const SurfaceMesh& surface, std::size_t f) {
+  const auto p = corners(surface, f), q = corners(surface, f + 1);
+  const Vector3 n = area_vector(p[0], p[1], p[2]), m = area_vector(q[0], q[1], q[2]);
+  const double sum = length(n) + length(m);
+  const Vector3 both{n[0] + m[0], n[1] + m[1], n[2] + m[2]};
+  return length(both) >= (1 - 1e-12) * sum;
+}
+
 SurfaceCheck check(const SurfaceMesh& surface, Rim rim, const Domain* given = nullptr) {
   SurfaceCheck check;
   check.vertices = static_cast<std::int64_t>(surface.points.size());
-  check.triangles = static_cast<std::int64_t>(surface.triangles.size());
+  check.quads = static_cast<std::int64_t>(surface.quads.size());
+  check.triangles = static_cast<std::int64_t>(surface.triangles.size()) - 2 * check.quads;
   if (surface.triangles.empty())
     note_violation(check.violations, "no faces", [] { return "the file"; });
   for (std::size_t v = 0; v < surface.points.size(); ++v)
@@ -168,13 +178,19 @@ SurfaceCheck check(const SurfaceMesh& surface, Rim rim, const Domain* given = nu
     for (std::size_t d = 0; d < 3; ++d)
       check.enclosed_volume += normal[d] * (p[0][d] - box.low[d]) / 3;
     const PatchInfo& patch = surface.patch_of(f);
-    ++check.faces_by_patch[surface.patches.position(patch.patch)].faces;
+    const bool is_half = std::binary_search(surface.quads.begin(), surface.quads.end(),
+                                            static_cast<std::int32_t>(f));
+    if (!is_half) ++check.faces_by_patch[surface.patches.position(patch.patch)].faces;
     if (const std::string what = tag_violation(p, normal, patch, surface.building[f], domain);
         !what.empty())
       note_violation(check.violations, what.c_str(), place);
     if (patch.kind == PatchKind::kTop)
       for (const Vector3& corner : p) check.lowest_top = std::min(check.lowest_top, corner[2]);
   }
+  for (const std::int32_t f : surface.quads)
+    if (!is_plane(surface, static_cast<std::size_t>(f)))
+      note_violation(check.violations, "quadrilaterals that are not plane",
+                     [&] { return fmt::format("face {}", f); });
   check_edges(surface, rim, domain, check);
   return check;
 }

@@ -1,6 +1,7 @@
 #include "tetropolis/check/check_volume.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <span>
 #include <utility>
@@ -74,10 +75,15 @@ void check_vertices(const TetMesh& mesh, const std::vector<std::uint8_t>& used,
 }
 
 void check_boundary(VolumeCheck& check) {
+  std::vector<std::array<std::int64_t, 3>> triangles = check.boundary;
+  for (const auto& [a, b, c, d] : check.boundary_quads) {
+    triangles.push_back({a, b, c});
+    triangles.push_back({a, c, d});
+  }
   add_violations(
       check.violations,
       look_at_edges(
-          check.boundary, static_cast<std::size_t>(check.vertices),
+          triangles, static_cast<std::size_t>(check.vertices),
           [](std::int64_t low, std::span<const EdgeUse> uses, std::vector<Violation>& violations) {
             if (uses.size() == 2 && uses[0].forward != uses[1].forward) return;
             note_violation(
@@ -89,13 +95,15 @@ void check_boundary(VolumeCheck& check) {
 VolumeCheck check_volume(const TetMesh& mesh, const Progress& progress) {
   VolumeCheck check;
   check.vertices = static_cast<std::int64_t>(mesh.points.size());
-  check.cells = static_cast<std::int64_t>(mesh.cells.size());
+  check.cells = static_cast<std::int64_t>(mesh.cell_count());
   if (mesh.points.size() > std::numeric_limits<std::uint32_t>::max())
     throw Error(ErrorKind::kInput,
                 "a mesh of more than 2^32 vertices can only be checked in parts");
-  if (mesh.cells.empty()) note_violation(check.violations, "no cells", [] { return "the file"; });
+  if (mesh.cell_count() == 0)
+    note_violation(check.violations, "no cells", [] { return "the file"; });
   progress.update(0);
-  const std::vector<std::uint8_t> used = measure_cells(mesh, check);
+  std::vector<std::uint8_t> used = measure_cells(mesh, check);
+  measure_wedges(mesh, used, check);
   progress.update(0.3);
   check_vertices(mesh, used, check);
   progress.update(0.4);

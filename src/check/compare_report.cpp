@@ -128,6 +128,13 @@ void compare_mesh(const Report& report, const VolumeCheck& volume, const Surface
   near("volume", mesh.volume, volume.volume, 1e-9 * volume.volume);
   near("enclosed volume", volume.volume, surface.enclosed_volume, 1e-7 * volume.volume);
   near("boundary triangles", number(boundary.triangles), static_cast<double>(surface.triangles), 0);
+  near("boundary quadrilaterals", number(boundary.quads), number(surface.quads), 0);
+  const PrismMeasures& prisms = volume.prisms;
+  near("number of prisms", number(mesh.prisms.cells), number(prisms.cells), 0);
+  near("greatest aspect ratio of prisms", mesh.prisms.max_aspect_ratio, prisms.max_aspect_ratio,
+       1e-4 * prisms.max_aspect_ratio);
+  near("least flatness of faces of prisms", mesh.prisms.least_flatness, prisms.least_flatness,
+       1e-9);
   near("greatest non-orthogonality", mesh.faces.worst.non_orthogonality_deg,
        volume.faces.max_non_orthogonality_deg, 0.01);
   near("greatest skewness", mesh.faces.worst.skewness, volume.faces.max_skewness, 0.01);

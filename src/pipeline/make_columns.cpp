@@ -9,11 +9,13 @@
 
 #include <fmt/format.h>
 
+#include "volume/column/ground_heights.h"
 #include "volume/column/levels.h"
 #include "volume/column/roof_heights.h"
 #include "volume/layered/free_top.h"
 #include "volume/layered/layered_mesh.h"
 #include "volume/layered/smooth.h"
+#include "volume/layers/prism_layers.h"
 #include "volume/upper/lid.h"
 
 namespace tetropolis {
@@ -77,13 +79,31 @@ RoofHeights roofs_over(const CityParts& parts, const GroundMesh& ground, const E
   return std::move(reconciled.roofs);
 }
 
+/// Height of the layers below the columns.
+std::vector<double> lift_of(const MeshCityOptions& options, const Raster& dtm,
+                            const GroundMesh& ground, const EdgeGraph* edges,
+                            const RoofHeights& roofs) {
+  const LayerHeights& heights = options.boundary_layers;
+  if (heights.count == 0) return {};
+  if (heights.total() > options.domain_height / 2)
+    throw Error(ErrorKind::kUsage,
+                fmt::format("boundary_layers: {} layers are {:.1f} m high, more than half of the "
+                            "domain's {:.1f} m; lower boundary_layers, first_layer or layer_growth",
+                            heights.count, heights.total(), options.domain_height));
+  return layer_lift(ground, edges == nullptr ? build_edge_graph(ground) : *edges,
+                    terrain_under(ground, dtm), lowest_roofs(ground, roofs), roofs, heights,
+                    options.min_wall_height);
+}
+
 /// Heights of ground, roofs and top; tells the report of the top.
 ColumnPlan plan_of(const MeshCityOptions& options, const CityParts& parts, const Raster& dtm,
                    const GroundMesh& ground, const EdgeGraph* edges, std::vector<double> spacing,
                    CityMesh& result) {
   RoofHeights roofs = roofs_over(parts, ground, edges, result);
-  ColumnPlan plan =
-      plan_columns(ground, dtm, std::move(roofs), std::move(spacing), plan_options(options));
+  ColumnPlanOptions to_plan = plan_options(options);
+  const std::vector<double> lift = lift_of(options, dtm, ground, edges, roofs);
+  to_plan.lift = lift;
+  ColumnPlan plan = plan_columns(ground, dtm, std::move(roofs), std::move(spacing), to_plan);
   require_plausible(plan.layers);
   VolumeMeshFacts& volume = result.volume_facts;
   volume.layers = plan.layers.layers;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <utility>
@@ -24,6 +25,7 @@
 #include "volume/column/ground_heights.h"
 #include "volume/column/levels.h"
 #include "volume/column/roof_heights.h"
+#include "volume/layers/prism_layers.h"
 #include "volume/upper/grow_upper.h"
 
 namespace tetropolis {
@@ -75,7 +77,8 @@ GroundMesh make_ground(const MeshCityOptions& options, const CityModel& city,
   meshing.grading = options.grading;
   if (options.layering != Layering::kUniform) {
     meshing.wall_edge = [&](RegionIndex part, Point2 a, Point2 b) {
-      return longest_wall_edge(dtm, parts.roofs[part], a, b, options.min_wall_height);
+      return longest_wall_edge(dtm, parts.roofs[part], a, b, options.min_wall_height,
+                               options.boundary_layers.total());
     };
     meshing.party_line = [&](RegionIndex left, RegionIndex right, Point2 a, Point2 b) {
       return divide_party_line(parts.roofs[left], parts.roofs[right], a, b, options.mesh_size);
@@ -113,8 +116,15 @@ void tell_quality(const ColumnMesh& mesh, MeshQuality measured, VolumeMeshFacts&
   volume.worst = std::move(measured.cells.worst);
   volume.faces = measured.faces;
   volume.vertices = mesh.node_count();
-  volume.cells = quality.cells();
-  volume.volume = quality.volume();
+  const PrismQuality& prisms = volume.prisms;
+  volume.cells = quality.cells() + prisms.cells;
+  volume.volume = quality.volume() + prisms.volume;
+  FaceQuality& faces = volume.faces;
+  faces.faces += prisms.faces;
+  faces.above_70 += prisms.above_70;
+  faces.worst.non_orthogonality_deg =
+      std::max(faces.worst.non_orthogonality_deg, prisms.max_non_orthogonality_deg);
+  faces.worst.skewness = std::max(faces.worst.skewness, prisms.max_skewness);
   volume.inverted = quality.inverted();
   volume.dihedral_min = quality.min_dihedral_deg();
   volume.dihedral_p0_01 = quality.dihedral_quantile_deg(1e-4);
@@ -135,9 +145,9 @@ void tell_quality(const ColumnMesh& mesh, MeshQuality measured, VolumeMeshFacts&
 SurfaceMesh checked_boundary(const ColumnMesh& mesh, CityMesh& result) {
   SurfaceMesh surface = extract_boundary(mesh);
   const SurfaceTopology topology = check_topology(surface);
-  result.surface_facts =
-      SurfaceMeshFacts{static_cast<std::int64_t>(surface.triangles.size()), topology.closed(),
-                       topology.manifold(), count_by_patch(surface)};
+  result.surface_facts = SurfaceMeshFacts{
+      std::ssize(surface.triangles) - 2 * std::ssize(surface.quads), std::ssize(surface.quads),
+      topology.closed(), topology.manifold(), count_by_patch(surface)};
   if (!topology.closed() || !topology.manifold())
     throw Error(
         ErrorKind::kGuarantee,
@@ -214,7 +224,9 @@ double find_scale(const MeshCityOptions& options, const CityModel& city, const R
     CityMesh scratch;
     Columns columns = columns_of(trial, city, terrain, size, {}, clock, scratch);
     add_upper(trial, columns, clock);
-    const auto cells = static_cast<double>(cell_offsets(columns.mesh).back().value());
+    auto cells = static_cast<double>(cell_offsets(columns.mesh).back().value());
+    for (const TriangleIndex t : columns.mesh.ground.triangles.indices())
+      cells += columns.mesh.inside_building(t) ? 0 : options.boundary_layers.count;
     const double error = std::abs(std::log(cells / target));
     if (error < best_error) {
       best = scale;
@@ -304,7 +316,12 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
     quality = measure_quality(columns.mesh, clock);
   }
   add_upper(options, columns, clock);
-  if (!columns.mesh.upper.empty()) {
+  if (options.boundary_layers.count > 0)
+    clock.run("3.5", "boundary layers", [&](const Progress&) {
+      lay_prisms(columns.plan.lift, options.boundary_layers, columns.mesh);
+      result.volume_facts.prisms = measure_prisms(columns.mesh, options.boundary_layers.first);
+    });
+  if (!columns.mesh.upper.empty() || !columns.mesh.layers.empty()) {
     result.volume_facts.min_vertical_gap = require_valid(columns.mesh);
     quality = measure_quality(columns.mesh, clock);
   }

@@ -21,6 +21,7 @@
 
 #include "core/text.h"
 #include "scene.h"
+#include "split_prisms.h"
 #include "volume_surface.h"
 
 namespace tetropolis {
@@ -96,6 +97,7 @@ RenderInput of_city(const fs::path& path) {
 }
 
 RenderInput of_volume(TetMesh mesh) {
+  mesh = split_prisms(std::move(mesh));
   RenderInput input{surface_of(mesh), {}};
   input.volume = std::move(mesh);
   return input;

@@ -6,11 +6,13 @@
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
+#include <string>
 #include <string_view>
 #include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/crs/crs.h"
@@ -132,6 +134,22 @@ void refuse_mistaken_files(const Config& config) {
     throw Error(ErrorKind::kUsage,
                 fmt::format("{}: is given as `out`, the folder for the results; name a folder",
                             config.out));
+}
+
+void refuse_formats(const Config& config) {
+  constexpr std::array<std::string_view, 7> kTetsOnly{"xdmf", "msh",    "msh2", "vtkhdf",
+                                                      "cgns", "fluent", "su2"};
+  if (config.boundary_layers == 0) return;
+  std::vector<std::string> refused;
+  for (const std::string& format : config.formats)
+    if (std::find(kTetsOnly.begin(), kTetsOnly.end(), format) != kTetsOnly.end())
+      refused.push_back(format);
+  if (!refused.empty())
+    throw Error(
+        ErrorKind::kUsage,
+        fmt::format("formats: {} cannot hold the prisms of boundary_layers = {}; use vtu or "
+                    "openfoam",
+                    fmt::join(refused, ", "), config.boundary_layers));
 }
 
 void refuse_degree_bounds(const Config& config, const std::string& crs, const Bounds2& data) {

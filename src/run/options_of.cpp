@@ -51,6 +51,7 @@ MeshCityOptions mesh_options(const Config& config) {
   options.own_top = config.domain_height == 0;
   options.layering = config.layering;
   options.layer_height = config.layer_height;
+  options.boundary_layers = {config.boundary_layers, config.first_layer, config.layer_growth};
   options.top = config.top;
   options.min_wall_height = config.min_wall_height;
   options.cut_slope_deg = config.cut_slope;

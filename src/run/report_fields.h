@@ -239,7 +239,7 @@ void fields_of(GroundMeshFacts& mesh, const Field& field) {
 template <typename Field>
 void fields_of(VolumeMeshFacts& mesh, const Field& field) {
   field("vertices", mesh.vertices, "integer", "");
-  field("cells", mesh.cells, "integer", "tetrahedra");
+  field("cells", mesh.cells, "integer", "tetrahedra and prisms");
   field("layers", mesh.layers, "integer",
         "uniform layers; with graded columns, the number there would be");
   field("volume", mesh.volume, "number, m³", "");
@@ -298,13 +298,30 @@ void fields_of(VolumeMeshFacts& mesh, const Field& field) {
         "faces above 70 degrees of non-orthogonality");
   field("skewness.max", mesh.faces.worst.skewness, "number",
         "greatest skewness of a face, boundary included, as in `checkMesh`");
+  field("prisms.cells", mesh.prisms.cells, "integer", "prisms in `boundary_layers`");
+  field("prisms.volume", mesh.prisms.volume, "number, m³", "");
+  field("prisms.first_layer_share", mesh.prisms.share_as_asked, "number",
+        "share of the open ground's area with a lowest layer of `first_layer`, to a millimetre; "
+        "thinner at low walls");
+  field("prisms.least_height", mesh.prisms.least_height, "number, m", "shortest upright edge");
+  field("prisms.non_orthogonality_deg.max", mesh.prisms.max_non_orthogonality_deg,
+        "number, degrees", "of faces between two cells, one of them a prism, as in `checkMesh`");
+  field("prisms.non_orthogonality_deg.mean", mesh.prisms.mean_non_orthogonality_deg,
+        "number, degrees", "");
+  field("prisms.faces_above_70_deg", mesh.prisms.above_70, "integer", "");
+  field("prisms.skewness.max", mesh.prisms.max_skewness, "number",
+        "of all faces of prisms, as in `checkMesh`");
+  field("prisms.aspect_ratio.max", mesh.prisms.max_aspect_ratio, "number", "as in `checkMesh`");
+  field("prisms.flatness.min", mesh.prisms.least_flatness, "number",
+        "area of a face over that of its parts; 1: plane");
   field("worst_cells", mesh.worst, "list", "the ten worst cells");
 }
 
 template <typename Field>
 void fields_of(SurfaceMeshFacts& mesh, const Field& field) {
   field("triangles", mesh.triangles, "integer",
-        "faces of the whole boundary, top and sides included");
+        "triangles of the whole boundary, top and sides included");
+  field("quads", mesh.quads, "integer", "quadrilaterals, of prisms at walls and sides");
   field("closed", mesh.closed, "Boolean",
         "every edge has at least two faces; always true in a written mesh");
   field("manifold", mesh.manifold, "Boolean",

@@ -13,11 +13,15 @@
 #include <gtest/gtest.h>
 
 #include "tetropolis/core/threads.h"
+#include "tetropolis/volume/column/boundary.h"
+#include "tetropolis/volume/column/explicit_mesh.h"
 #include "tetropolis/volume/quality/face_quality.h"
+#include "tetropolis/volume/quality/prism_quality.h"
 
 #include "check/check_same_boundary.h"
 #include "core/parallel.h"
 #include "support/explicit_mesh.h"
+#include "support/prism_city.h"
 #include "support/small_city.h"
 #include "support/test_data.h"
 #include "volume/quality/tet_shape.h"
@@ -272,6 +276,85 @@ TEST(CheckReduction, WhatIsGatheredIsNotCopied) {
   EXPECT_EQ(CountedList::copies, 0);
   ASSERT_EQ(all.items.size(), 1000U);
   EXPECT_TRUE(std::is_sorted(all.items.begin(), all.items.end()));
+}
+
+/// Tets and prisms of the small city, as read back.
+TetMesh with_prisms(const ColumnMesh& columns) {
+  TetMesh mesh;
+  mesh.points.resize(static_cast<std::size_t>(columns.node_count()));
+  fill_points(columns, {0, 0, 0}, mesh.points);
+  mesh.cells = testing::explicit_mesh(columns).cells;
+  for (std::int64_t i = 0; i < columns.layers.cells(); ++i) {
+    auto& own = mesh.wedges.emplace_back();
+    const auto nodes = wedge(columns, i);
+    for (std::size_t k = 0; k < nodes.size(); ++k) own[k] = nodes[k].value();
+  }
+  return mesh;
+}
+
+class CheckPrisms : public ::testing::Test {
+ protected:
+  testing::MeshedCity city =
+      testing::prism_city(testing::small_city(testing::hills), 12, {5, 0.5, 1.2});
+  TetMesh mesh = with_prisms(city.mesh);
+};
+
+TEST_F(CheckPrisms, FindsWhatTheMeshSays) {
+  const VolumeCheck check = check_volume(mesh);
+  EXPECT_EQ(counts(check.violations), (std::map<std::string, std::int64_t>{}));
+  const PrismQuality prisms = measure_prisms(city.mesh, 0.5);
+  const FaceQuality faces = measure_faces(city.mesh);
+  EXPECT_EQ(check.prisms.cells, prisms.cells);
+  EXPECT_EQ(check.cells, std::ssize(mesh.cells) + prisms.cells);
+  EXPECT_NEAR(check.prisms.max_aspect_ratio, prisms.max_aspect_ratio, 1e-9);
+  EXPECT_NEAR(check.prisms.least_flatness, 1, 1e-12);
+  EXPECT_EQ(check.faces.internal, faces.faces + prisms.faces);
+  EXPECT_EQ(check.faces.above_70, faces.above_70 + prisms.above_70);
+  EXPECT_NEAR(check.faces.max_non_orthogonality_deg,
+              std::max(faces.worst.non_orthogonality_deg, prisms.max_non_orthogonality_deg), 1e-9);
+  EXPECT_NEAR(check.faces.max_skewness, std::max(faces.worst.skewness, prisms.max_skewness), 1e-9);
+  EXPECT_EQ(check.least_vertical_edge, require_valid(city.mesh));
+  const SurfaceMesh boundary = extract_boundary(city.mesh);
+  EXPECT_EQ(std::ssize(check.boundary_quads), std::ssize(boundary.quads));
+  EXPECT_TRUE(check_same_boundary(mesh, check, boundary).empty());
+}
+
+TEST_F(CheckPrisms, FindsWhatIsBroken) {
+  const auto with = [&](const auto& spoil) {
+    TetMesh broken = mesh;
+    spoil(broken);
+    return counts(check_volume(broken).violations);
+  };
+  EXPECT_EQ(with([](TetMesh& m) {  // one corner below the one under it
+              auto& w = m.wedges[7];
+              m.points[static_cast<std::size_t>(w[3])][2] =
+                  m.points[static_cast<std::size_t>(w[0])][2] - 0.01;
+            })
+                .count("inverted cells"),
+            1U);
+  EXPECT_EQ(
+      with([](TetMesh& m) { m.wedges.erase(m.wedges.begin() + 7); }).count("open boundary edges"),
+      0U);  // a hole is a boundary, too
+  EXPECT_EQ(with([](TetMesh& m) {
+              m.wedges.push_back(m.wedges[7]);
+            }).count("faces of more than two cells"),
+            1U);
+  EXPECT_EQ(with([](TetMesh& m) {
+              m.points[static_cast<std::size_t>(m.wedges[7][3])][0] += 0.01;
+            }).count("prisms that are not upright"),
+            1U);
+  EXPECT_EQ(with([](TetMesh& m) {
+              auto& w = m.wedges[7];
+              w = {w[0], w[2], w[1], w[3], w[5], w[4]};
+            }).count("neighbouring cells that overlap"),
+            1U);
+  // A boundary without one of its quadrilaterals, or with two triangles for it, is another one.
+  const VolumeCheck check = check_volume(mesh);
+  SurfaceMesh boundary = extract_boundary(city.mesh);
+  boundary.quads.pop_back();
+  EXPECT_EQ(counts(check_same_boundary(mesh, check, boundary)),
+            (std::map<std::string, std::int64_t>{
+                {"boundary faces in only one of volume and surface", 3}}));
 }
 
 }  // namespace

@@ -91,6 +91,8 @@ struct Setting {
 /// For messages of GoogleTest, which prints bytes otherwise.
 void PrintTo(const Setting& setting, std::ostream* out) { *out << setting.name; }
 
+void two_layers(Village&, Config& config) { config.boundary_layers = 2; }
+
 void uniform(Village&, Config& config) { config.layering = Layering::kUniform; }
 
 void steep_shed(Village& village, Config&) {
@@ -548,6 +550,38 @@ const std::vector<Setting>& table() {
          EXPECT_EQ(changed.volume().layers, 5);
        },
        uniform},
+      {"boundary_layers",
+       {"4"},
+       run_build,
+       [](R plain, R changed) {
+         EXPECT_EQ(plain.volume().prisms.cells, 0);
+         EXPECT_EQ(plain.report.surface_mesh->quads, 0);
+         EXPECT_GT(changed.volume().prisms.cells, 0);
+         EXPECT_EQ(changed.volume().prisms.cells % 4, 0);
+         EXPECT_GT(changed.report.surface_mesh->quads, 0);
+         EXPECT_NEAR(changed.volume().volume / plain.volume().volume, 1, 1e-2);
+         EXPECT_EQ(std::ssize(read_vtu(changed.out / "volume.vtu").wedges),
+                   changed.volume().prisms.cells);
+         for (const CheckedFile& file : check_path(changed.out, std::nullopt))
+           EXPECT_TRUE(file.violations.empty()) << file.violations[0].what;
+       }},
+      {"first_layer",
+       {"0.25"},
+       run_build,
+       [](R plain, R changed) {
+         EXPECT_LE(plain.volume().prisms.least_height, 0.5);
+         EXPECT_GT(plain.volume().prisms.least_height, changed.volume().prisms.least_height);
+         EXPECT_GT(changed.volume().prisms.share_as_asked, 0.9);
+         EXPECT_NEAR(changed.volume().prisms.volume / plain.volume().prisms.volume, 0.5, 0.1);
+       },
+       two_layers},
+      {"layer_growth",
+       {"1"},
+       run_build,
+       [](R plain, R changed) {
+         EXPECT_NEAR(plain.volume().prisms.volume / changed.volume().prisms.volume, 1.1, 0.02);
+       },
+       two_layers},
       {"top",
        {"free"},
        run_build,

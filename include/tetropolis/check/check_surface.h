@@ -13,7 +13,8 @@ namespace tetropolis {
 
 struct SurfaceCheck {
   std::int64_t vertices = 0;
-  std::int64_t triangles = 0;
+  std::int64_t triangles = 0;  ///< Faces of three corners;
+  std::int64_t quads = 0;      ///< and of four.
   bool closed = false;
   bool manifold = false;
   double enclosed_volume = 0;  ///< By the divergence theorem.

@@ -33,19 +33,29 @@ struct FaceMeasures {
   double max_skewness = 0;                ///< Of all faces.
 };
 
+/// Shape of prisms as OpenFOAM's checkMesh measures it.
+struct PrismMeasures {
+  std::int64_t cells = 0;
+  double max_aspect_ratio = 0;
+  double least_flatness = 1;  ///< Area of a face over that of its parts; 1: plane.
+};
+
 struct VolumeCheck {
   std::int64_t vertices = 0;
-  std::int64_t cells = 0;
-  std::int64_t inverted = 0;        ///< Cells of zero or negative volume.
+  std::int64_t cells = 0;           ///< Tets and prisms.
+  std::int64_t inverted = 0;        ///< Cells of zero or negative volume, somewhere.
   double volume = 0;                ///< Sum over the cells.
   std::int64_t boundary_faces = 0;  ///< Faces of one cell only.
-  Distribution min_dihedral_deg;    ///< Of the least dihedral angle of each cell.
+  Distribution min_dihedral_deg;    ///< Of the least dihedral angle of each tet.
   double max_dihedral_deg = 0;
-  std::int64_t slivers = 0;        ///< Cells below kSliverDihedralDeg.
+  std::int64_t slivers = 0;        ///< Tets below kSliverDihedralDeg.
   double least_vertical_edge = 0;  ///< Metres; infinite if no cell has such an edge.
   FaceMeasures faces;
-  Distribution aspect_ratio;                          ///< Longest edge over 2 sqrt(6) inradii.
-  std::vector<std::array<std::int64_t, 3>> boundary;  ///< The boundary faces, outward.
+  Distribution aspect_ratio;  ///< Of tets: longest edge over 2 sqrt(6)
+                              ///< inradii.
+  PrismMeasures prisms;
+  std::vector<std::array<std::int64_t, 3>> boundary;  ///< The boundary faces, outward: triangles
+  std::vector<std::array<std::int64_t, 4>> boundary_quads;  ///< and quadrilaterals.
   std::vector<Violation> violations;
 };
 

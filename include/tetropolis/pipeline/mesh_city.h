@@ -16,6 +16,7 @@
 #include "tetropolis/volume/column/column_mesh.h"
 #include "tetropolis/volume/quality/cell_quality.h"
 #include "tetropolis/volume/quality/face_quality.h"
+#include "tetropolis/volume/quality/prism_quality.h"
 
 namespace tetropolis {
 
@@ -37,6 +38,7 @@ struct MeshCityOptions {
   double layer_height = 0;  ///< Greatest distance between nodes of a column; of uniform layers
                             ///< their height; metres. 0: follows from the mesh size.
   Top top = Top::kFlat;
+  LayerHeights boundary_layers = {};  ///< Of prisms over open ground.
   double min_wall_height = 1;  ///< Metres, > 0: lower walls have the ground beside them lowered.
   double cut_slope_deg = 56;  ///< Gentlest slope to excavate terrain to where cells would otherwise
                               ///< be poor; 90: never.
@@ -80,7 +82,7 @@ struct GroundMeshFacts {
 
 struct VolumeMeshFacts {
   std::int64_t vertices = 0;
-  std::int64_t cells = 0;
+  std::int64_t cells = 0;   ///< Tets and prisms.
   std::int32_t layers = 0;  ///< Of uniform layering; else what it would have.
   double volume = 0;
   std::int64_t inverted = 0;
@@ -111,10 +113,12 @@ struct VolumeMeshFacts {
   double aspect_median = 0, aspect_p99 = 0, aspect_max = 0;
   FaceQuality faces;
   std::vector<WorstCell> worst;  ///< Centres in the local frame.
+  PrismQuality prisms;
 };
 
 struct SurfaceMeshFacts {
   std::int64_t triangles = 0;
+  std::int64_t quads = 0;
   bool closed = false;
   bool manifold = false;
   std::vector<PatchCount> faces_by_patch;

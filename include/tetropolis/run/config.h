@@ -90,6 +90,9 @@ struct Config {
   double domain_height = 0;
   Layering layering = Layering::kGraded;
   double layer_height = 0;
+  int boundary_layers = 0;
+  double first_layer = 0.5;
+  double layer_growth = 1.2;
   Top top = Top::kFlat;
   double min_wall_height = 1;
   double cut_slope = 56;

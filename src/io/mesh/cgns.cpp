@@ -215,6 +215,7 @@ std::vector<Hdf5Dataset> streamed(const ColumnMesh& mesh, std::size_t cells,
 
 void write_cgns(const std::filesystem::path& path, const ColumnMesh& mesh,
                 const SurfaceMesh& surface, const Placement& placement, const Progress& progress) {
+  refuse_prisms(path, mesh);
   require_boundary_of(mesh, surface);
   const std::vector<CellIndex> offsets = cell_offsets(mesh);
   const std::vector<PatchFaces> patches = faces_of_patches(surface);

@@ -21,16 +21,28 @@ std::vector<PatchFaces> faces_of_patches(const SurfaceMesh& surface) {
 
 void append_points(const ColumnMesh& mesh, const Placement& placement, std::size_t begin,
                    std::size_t end, std::string& buffer) {
+  const std::size_t layers = point_rows(mesh) - mesh.layers.vertices.size();
   const auto first_of = [&](std::size_t row) {
     const std::size_t column = std::min(row, mesh.vertex_count());
     const std::size_t upper = (row - column) * kUpperBlock;
-    return std::size_t{mesh.first[column]} + std::min(upper, mesh.upper.points.size());
+    const std::size_t below = row - std::min(row, layers);
+    return std::size_t{mesh.first[column]} + std::min(upper, mesh.upper.points.size()) +
+           below * static_cast<std::size_t>(mesh.layers.count);
   };
   RawNumbers points(buffer, (first_of(end) - first_of(begin)) * 3 * sizeof(double));
   for (std::size_t row = begin; row < end; ++row)
     for_each_point_of(mesh, row, [&](NodeIndex, const Point3& p) {
       for (std::size_t c = 0; c < 3; ++c) points.put(p[c] + placement.shift[c]);
     });
+}
+
+void refuse_prisms(const std::filesystem::path& path, const ColumnMesh& mesh) {
+  if (!mesh.layers.empty())
+    throw Error(
+        ErrorKind::kUsage,
+        path.filename().string() +
+            ": the mesh has prisms (boundary_layers), which are not written in this format; "
+            "use vtu or openfoam");
 }
 
 void append_regions(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets,
@@ -48,6 +60,8 @@ void require_boundary_of(const ColumnMesh& mesh, const SurfaceMesh& surface) {
                         surface.cell.size() == surface.triangles.size();
   const auto elevation = [&](NodeIndex n) {
     const std::int64_t upper = n.value() - mesh.column_nodes();
+    const std::int64_t below = n - mesh.first_layer_node();
+    if (below >= 0) return mesh.layers.z[static_cast<std::size_t>(below)];
     return upper < 0 ? mesh.z[n] : mesh.upper.points[static_cast<std::size_t>(upper)][2];
   };
   bool matches = numbered;

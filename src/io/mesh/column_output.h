@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,9 @@ struct PatchFaces {
 
 /// Of the patches with faces, in their order.
 std::vector<PatchFaces> faces_of_patches(const SurfaceMesh& surface);
+
+/// Throws Error(kUsage) that names the file if the mesh has prisms.
+void refuse_prisms(const std::filesystem::path& path, const ColumnMesh& mesh);
 
 /// Throws Error(kGuarantee) unless `surface` has node and cell numbers of `mesh`, and at each point
 /// of the surface is the node it names.

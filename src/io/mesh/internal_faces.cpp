@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "prism_faces.h"
+
 namespace tetropolis {
 
 namespace {
@@ -48,6 +50,8 @@ const std::vector<InternalFace>& InternalFaces::owned_over(TriangleIndex t) {
   Climb<3> front = climb_triangle(mesh_, t);
   for (std::size_t c; (c = front.next()) < 3; ++cell) {
     const NodeIndex low = front.at(c), high = low + 1;
+    const bool is_lowest = cell == cells_[t];
+    const auto floor = front.at();
     const std::size_t next = (c + 1) % 3, previous = (c + 2) % 3;
     const NodeIndex at_next = front.at(next), at_previous = front.at(previous);
     front.advance(c);
@@ -64,6 +68,10 @@ const std::vector<InternalFace>& InternalFaces::owned_over(TriangleIndex t) {
     add(beyond_[previous], 1, {low, high, at_previous});
     if (faces_.size() == begin + 2 && faces_[begin].neighbour > faces_[begin + 1].neighbour)
       std::swap(faces_[begin], faces_[begin + 1]);
+    if (is_lowest && mesh_.has_layers(t))
+      faces_.push_back({cell,
+                        lowest_prism(mesh_, cells_.back(), t) + (mesh_.layers.count - 1),
+                        {floor[0], floor[2], floor[1]}});
   }
   if (mesh_.is_covered(t)) faces_.push_back({cell - 1, mesh_.upper.over_lid[t], front.at()});
   return faces_;

@@ -10,7 +10,7 @@
 namespace tetropolis {
 
 /// A face between two cells: its normal (right-hand rule) leaves `owner` for `neighbour`, and
-/// owner < neighbour.
+/// owner < neighbour. Those to prisms are there, too; those between prisms are not (prism_faces.h).
 struct InternalFace {
   CellIndex owner;
   CellIndex neighbour;

@@ -150,6 +150,7 @@ void write_tets(AtomicFile& file, const ColumnMesh& mesh, const std::vector<Cell
 
 void write_msh(const std::filesystem::path& path, const ColumnMesh& mesh,
                const SurfaceMesh& surface, const Placement& placement, const Progress& progress) {
+  refuse_prisms(path, mesh);
   require_boundary_of(mesh, surface);
   const std::vector<CellIndex> cells = cell_offsets(mesh);
   const std::vector<PatchFaces> patches = faces_of_patches(surface);

@@ -93,6 +93,7 @@ void write_tets(AtomicFile& file, const ColumnMesh& mesh, const std::vector<Cell
 
 void write_msh2(const std::filesystem::path& path, const ColumnMesh& mesh,
                 const SurfaceMesh& surface, const Placement& placement, const Progress& progress) {
+  refuse_prisms(path, mesh);
   require_boundary_of(mesh, surface);
   const std::vector<CellIndex> cells = cell_offsets(mesh);
   const std::size_t triangles = surface.triangles.size();

@@ -1,5 +1,6 @@
 #include "tetropolis/io/mesh/openfoam.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <limits>
@@ -16,6 +17,7 @@
 #include "internal_faces.h"
 #include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
+#include "prism_faces.h"
 #include "volume/column/upper_faces.h"
 
 namespace tetropolis {
@@ -33,6 +35,8 @@ using Label = std::int32_t;
 struct Sizes {
   std::size_t internal;
   std::size_t boundary;
+  std::size_t between_prisms;  ///< Of the internal ones, the last.
+  std::size_t corners;         ///< Of all faces.
   std::size_t faces() const { return internal + boundary; }
 };
 
@@ -64,11 +68,16 @@ void write_points(AtomicFile& file, const ColumnMesh& mesh, const Placement& pla
   end_list(file);
 }
 
-/// Cells of columns by triangle, and the faces between those of the upper part.
+/// Cells of columns by triangle, and the faces between those of the upper part and those between
+/// prisms.
 struct Cells {
   std::vector<CellIndex> offsets;
   std::vector<UpperFaces::Inner> upper;
+  std::vector<PrismFace> prisms;
 };
+
+std::size_t corners_of(const InternalFace& face) { return face.nodes.size(); }
+std::size_t corners_of(const PrismFace& face) { return face.corners; }
 
 /// Appends what append(face, buffer) does for the internal faces in their order: `bytes` in all.
 template <typename Append>
@@ -89,12 +98,16 @@ void write_internal(AtomicFile& file, const ColumnMesh& mesh, const Cells& cells
                     append(InternalFace{face.cell, face.neighbour, face.nodes}, buffer);
                   }
                 });
+  write_chunked(file, cells.prisms.size(), kRows,
+                [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                  for (std::size_t f = begin; f < end; ++f) append(cells.prisms[f], buffer);
+                });
 }
 
 /// Likewise for the boundary faces; append(f, buffer) gets their number.
 template <typename Append>
 void write_outer(AtomicFile& file, const SurfaceMesh& surface, const Append& append) {
-  write_chunked(file, surface.triangles.size(), kRows,
+  write_chunked(file, SurfaceFaces(surface).size(), kRows,
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
                   for (std::size_t f = begin; f < end; ++f) append(f, buffer);
                 });
@@ -104,23 +117,30 @@ void write_outer(AtomicFile& file, const SurfaceMesh& surface, const Append& app
 void write_faces(AtomicFile& file, const ColumnMesh& mesh, const Cells& cells,
                  const SurfaceMesh& surface, const Sizes& sizes, const Progress& progress) {
   file.write(header("binary", "faceCompactList", "faces", ""));
+  std::vector<std::size_t> quads{0};  // among the faces between prisms before each
+  for (const PrismFace& face : cells.prisms) quads.push_back(quads.back() + face.corners - 3);
   begin_list(file, sizes.faces() + 1);
+  const SurfaceFaces outer(surface);
+  const auto quads_before = [&, first = sizes.internal - sizes.between_prisms](std::size_t f) {
+    const std::size_t prism = std::min(f, sizes.internal) - std::min(f, first);
+    return quads[prism] + outer.quads_before(f - std::min(f, sizes.internal));
+  };
   write_chunked(file, sizes.faces() + 1, kRows,
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
                   for (std::size_t f = begin; f < end; ++f)
-                    append_raw(buffer, static_cast<Label>(3 * f));
+                    append_raw(buffer, static_cast<Label>(3 * f + quads_before(f)));
                 });
   end_list(file);
-  begin_list(file, 3 * sizes.faces());
+  begin_list(file, sizes.corners);
   write_internal(
       file, mesh, cells, sizes.internal * 3 * sizeof(Label),
-      [](const InternalFace& face, std::string& buffer) {
-        for (const NodeIndex node : face.nodes)
-          append_raw(buffer, static_cast<Label>(node.value()));
+      [](const auto& face, std::string& buffer) {
+        for (std::size_t i = 0; i < corners_of(face); ++i)
+          append_raw(buffer, static_cast<Label>(face.nodes[i].value()));
       },
       progress);
   write_outer(file, surface, [&](std::size_t f, std::string& buffer) {
-    for (const std::int32_t p : surface.triangles[f])
+    for (const std::int32_t p : outer.corners(f))
       append_raw(buffer, static_cast<Label>(surface.node[static_cast<std::size_t>(p)].value()));
   });
   end_list(file);
@@ -128,7 +148,8 @@ void write_faces(AtomicFile& file, const ColumnMesh& mesh, const Cells& cells,
 
 std::string size_note(const ColumnMesh& mesh, const Cells& cells, const Sizes& sizes) {
   return fmt::format("nPoints:{}  nCells:{}  nFaces:{}  nInternalFaces:{}", mesh.node_count(),
-                     cells.offsets.back().value(), sizes.faces(), sizes.internal);
+                     cells.offsets.back().value() + mesh.layers.cells(), sizes.faces(),
+                     sizes.internal);
 }
 
 void write_owner(AtomicFile& file, const ColumnMesh& mesh, const Cells& cells,
@@ -137,12 +158,13 @@ void write_owner(AtomicFile& file, const ColumnMesh& mesh, const Cells& cells,
   begin_list(file, sizes.faces());
   write_internal(
       file, mesh, cells, sizes.internal * sizeof(Label),
-      [](const InternalFace& face, std::string& buffer) {
+      [](const auto& face, std::string& buffer) {
         append_raw(buffer, static_cast<Label>(face.owner.value()));
       },
       progress);
+  const SurfaceFaces outer(surface);
   write_outer(file, surface, [&](std::size_t f, std::string& buffer) {
-    append_raw(buffer, static_cast<Label>(surface.cell[f].value()));
+    append_raw(buffer, static_cast<Label>(surface.cell[outer.triangle(f)].value()));
   });
   end_list(file);
 }
@@ -153,7 +175,7 @@ void write_neighbour(AtomicFile& file, const ColumnMesh& mesh, const Cells& cell
   begin_list(file, sizes.internal);
   write_internal(
       file, mesh, cells, sizes.internal * sizeof(Label),
-      [](const InternalFace& face, std::string& buffer) {
+      [](const auto& face, std::string& buffer) {
         append_raw(buffer, static_cast<Label>(face.neighbour.value()));
       },
       progress);
@@ -178,12 +200,16 @@ void write_patches(AtomicFile& file, const SurfaceMesh& surface, const Sizes& si
   file.write(text + ")\n");
 }
 
-Sizes count_faces(const std::filesystem::path& folder, std::int64_t cells,
+Sizes count_faces(const std::filesystem::path& folder, const ColumnMesh& mesh, const Cells& list,
                   const SurfaceMesh& surface) {
-  const std::size_t boundary = surface.triangles.size();
-  const std::size_t sides = 4 * static_cast<std::size_t>(cells);
-  const Sizes sizes{(sides - boundary) / 2, boundary};
-  if (3 * sizes.faces() > static_cast<std::size_t>(std::numeric_limits<Label>::max()))
+  const std::size_t boundary = SurfaceFaces(surface).size();
+  const auto tets = static_cast<std::size_t>(list.offsets.back().value());
+  const auto prisms = static_cast<std::size_t>(mesh.layers.cells());
+  const std::int64_t cells = list.offsets.back().value() + mesh.layers.cells();
+  Sizes sizes{(4 * tets + 5 * prisms - boundary) / 2, boundary, list.prisms.size(), 0};
+  sizes.corners = 3 * sizes.faces() + surface.quads.size();
+  for (const PrismFace& face : list.prisms) sizes.corners += face.corners - 3;
+  if (sizes.corners > static_cast<std::size_t>(std::numeric_limits<Label>::max()))
     throw Error(ErrorKind::kInput,
                 fmt::format("{}: {} cells are too many for OpenFOAM's 32-bit labels; use a larger "
                             "mesh size or another format",
@@ -197,9 +223,10 @@ void write_openfoam(const std::filesystem::path& folder, const ColumnMesh& mesh,
                     const SurfaceMesh& surface, const Placement& placement,
                     const Progress& progress) {
   require_boundary_of(mesh, surface);
-  Cells cells{cell_offsets(mesh), {}};
+  Cells cells{cell_offsets(mesh), {}, {}};
   if (!mesh.upper.empty()) cells.upper = upper_faces(mesh).inner;
-  const Sizes sizes = count_faces(folder, cells.offsets.back().value(), surface);
+  cells.prisms = prism_faces(mesh, cells.offsets.back());
+  const Sizes sizes = count_faces(folder, mesh, cells, surface);
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw_cannot_write(folder, error.message());

@@ -81,6 +81,7 @@ void write_markers(AtomicFile& file, const SurfaceMesh& surface) {
 
 void write_su2(const std::filesystem::path& path, const ColumnMesh& mesh,
                const SurfaceMesh& surface, const Placement& placement, const Progress& progress) {
+  refuse_prisms(path, mesh);
   require_boundary_of(mesh, surface);
   AtomicFile file(path);
   file.write(fmt::format("% origin {} {} {}\n", placement.origin[0], placement.origin[1],

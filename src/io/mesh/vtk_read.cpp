@@ -61,17 +61,6 @@ Value to(const VtkInput& file, const VtkArray& array, Stored stored) {
   return static_cast<Value>(stored);
 }
 
-std::vector<std::int32_t> read_numbers(const VtkInput& file, const std::string& name) {
-  const VtkArray array = file.array(name, file.cells());
-  require_whole_numbers(file, array);
-  std::vector<std::int32_t> numbers(file.cells());
-  file.read(array, [&](std::uint64_t first, auto values) {
-    for (std::size_t i = 0; i < values.size(); ++i)
-      numbers[first + i] = to<std::int32_t>(file, array, values[i]);
-  });
-  return numbers;
-}
-
 /// Rows of `Width` values each.
 template <std::size_t Width, typename Value>
 std::vector<std::array<Value, Width>> read_rows(const VtkInput& file, const VtkArray& array,
@@ -135,20 +124,139 @@ PatchNames patch_names(const VtkInput& file) {
 
 }  // namespace
 
+template <typename Value>
+std::vector<Value> read_whole(const VtkInput& file, const std::string& name, std::uint64_t count) {
+  const VtkArray array = file.array(name, count);
+  require_whole_numbers(file, array);
+  std::vector<Value> result(count);
+  file.read(array, [&](std::uint64_t first, auto values) {
+    for (std::size_t i = 0; i < values.size(); ++i)
+      result[first + i] = to<Value>(file, array, values[i]);
+  });
+  return result;
+}
+
+std::vector<std::int32_t> read_numbers(const VtkInput& file, const std::string& name) {
+  return read_whole<std::int32_t>(file, name, file.cells());
+}
+
+/// Cells of both kinds, those of `Small` corners and those of `Large`.
+template <std::size_t Small, std::size_t Large, typename Index>
+struct MixedCells {
+  std::vector<std::array<Index, Small>> small;
+  std::vector<std::array<Index, Large>> large;
+  std::vector<std::uint8_t> is_large;  ///< Per cell of the file.
+};
+
+/// Cells of Small or Large corners each, checked against the number of points.
+template <std::size_t Small, std::size_t Large, typename Index>
+MixedCells<Small, Large, Index> read_mixed(const VtkInput& file) {
+  const std::vector<std::int64_t> ends = read_whole<std::int64_t>(file, "offsets", file.cells());
+  MixedCells<Small, Large, Index> cells;
+  std::int64_t end = 0;
+  for (std::size_t c = 0; c < ends.size(); ++c) {
+    const std::int64_t corners = ends[c] - std::exchange(end, ends[c]);
+    if (corners != std::int64_t{Small} && corners != std::int64_t{Large})
+      file.fail("cell " + std::to_string(c) + " does not have " + std::to_string(Small) + " or " +
+                std::to_string(Large) + " vertices");
+    cells.is_large.push_back(corners == std::int64_t{Large} ? 1 : 0);
+  }
+  const std::vector<Index> corners =
+      read_whole<Index>(file, "connectivity", static_cast<std::uint64_t>(end));
+  auto next = corners.begin();
+  const auto take = [&](std::size_t c, auto& cell) {
+    for (Index& v : cell) {
+      v = *next++;
+      if (v < 0 || static_cast<std::uint64_t>(v) >= file.points())
+        file.fail("cell " + std::to_string(c) + " has the vertex " + std::to_string(v) + " of " +
+                  std::to_string(file.points()));
+    }
+  };
+  for (std::size_t c = 0; c < ends.size(); ++c) {
+    if (cells.is_large[c] != 0)
+      take(c, cells.large.emplace_back());
+    else
+      take(c, cells.small.emplace_back());
+  }
+  return cells;
+}
+
+/// Quadrilaterals become two triangles, with a number each.
+void read_triangles_and_quads(const VtkInput& file, SurfaceMesh& surface,
+                              std::vector<std::int32_t>& patches,
+                              std::vector<std::int32_t>& buildings) {
+  const auto cells = read_mixed<3, 4, std::int32_t>(file);
+  std::vector<std::int32_t> patch, building;
+  auto triangle = cells.small.begin();
+  auto quad = cells.large.begin();
+  const auto add = [&](std::size_t c, const std::array<std::int32_t, 3>& corners) {
+    surface.triangles.push_back(corners);
+    patch.push_back(patches[c]);
+    building.push_back(buildings[c]);
+  };
+  for (std::size_t c = 0; c < cells.is_large.size(); ++c) {
+    if (cells.is_large[c] == 0) {
+      add(c, *triangle++);
+      continue;
+    }
+    const auto& q = *quad++;
+    surface.quads.push_back(static_cast<std::int32_t>(surface.triangles.size()));
+    add(c, {q[0], q[1], q[2]});
+    add(c, {q[0], q[2], q[3]});
+  }
+  patches = std::move(patch);
+  buildings = std::move(building);
+}
+
+/// Whether each cell has so many.
+bool has_corners(const VtkInput& file, std::int64_t corners) {
+  Least wrong;
+  compare(
+      file, file.array("offsets", file.cells()),
+      [&](std::uint64_t c) { return corners * static_cast<std::int64_t>(c + 1); }, wrong);
+  return !wrong.any();
+}
+
+/// Tets and wedges; tets come first in `mesh`, and so do their regions.
+void read_tets_and_wedges(const VtkInput& file, TetMesh& mesh) {
+  auto cells = read_mixed<4, 6, std::int64_t>(file);
+  mesh.cells = std::move(cells.small);
+  mesh.wedges = std::move(cells.large);
+  constexpr std::uint8_t kVtkTetra = 10, kVtkWedge = 13;
+  const VtkArray types = file.array("types", file.cells());
+  Least wrong;
+  compare(
+      file, types,
+      [&](std::uint64_t c) { return std::int64_t{cells.is_large[c] != 0 ? kVtkWedge : kVtkTetra}; },
+      wrong);
+  if (wrong.any())
+    file.fail("cell " + std::to_string(wrong.value()) +
+              " is not of VTK type 10 or 13; only tets and wedges are supported");
+  if (!file.has("region")) return;
+  const std::vector<std::int32_t> region = read_numbers(file, "region");
+  for (const std::uint8_t kind : {0, 1})
+    for (std::size_t c = 0; c < region.size(); ++c)
+      if (cells.is_large[c] == kind) mesh.region.push_back(region[c]);
+}
+
 TetMesh read_vtu(const std::filesystem::path& path) {
   const VtkInput file(path, "UnstructuredGrid", "NumberOfCells");
   require_room_for_mesh(path, file.points(), file.cells());
-  constexpr std::int64_t kVtkTetra = 10;
-  Least wrong;
-  compare(
-      file, file.array("types", file.cells()), [](std::uint64_t) { return kVtkTetra; }, wrong);
-  if (wrong.any())
-    file.fail("cell " + std::to_string(wrong.value()) +
-              " is not of VTK type 10; only tets are supported");
   TetMesh mesh;
   mesh.points = read_points(file);
-  mesh.cells = read_cells<4, std::int64_t>(file);
-  if (file.has("region")) mesh.region = read_numbers(file, "region");
+  if (has_corners(file, 4)) {
+    constexpr std::int64_t kVtkTetra = 10;
+    Least wrong;
+    compare(
+        file, file.array("types", file.cells()), [](std::uint64_t) { return kVtkTetra; }, wrong);
+    if (wrong.any())
+      file.fail("cell " + std::to_string(wrong.value()) +
+                " is not of VTK type 10; only tets and wedges are supported");
+    mesh.cells = read_cells<4, std::int64_t>(file);
+    if (file.has("region")) mesh.region = read_numbers(file, "region");
+  } else {
+    read_tets_and_wedges(file, mesh);
+  }
   file.require_end();
   return mesh;
 }
@@ -160,10 +268,14 @@ SurfaceMesh read_vtp(const std::filesystem::path& path) {
   require_room_for_surface(path, file.points(), file.cells());
   SurfaceMesh surface;
   surface.points = read_points(file);
-  surface.triangles = read_cells<3, std::int32_t>(file);
-  set_patches(read_numbers(file, "patch"), patch_names(file), surface,
+  std::vector<std::int32_t> patches = read_numbers(file, "patch");
+  std::vector<std::int32_t> buildings = read_numbers(file, "building");
+  if (has_corners(file, 3))
+    surface.triangles = read_cells<3, std::int32_t>(file);
+  else
+    read_triangles_and_quads(file, surface, patches, buildings);
+  set_patches(patches, patch_names(file), surface,
               [&](const std::string& what) { file.fail(what); });
-  const auto buildings = read_numbers(file, "building");
   surface.building = {buildings.begin(), buildings.end()};
   file.require_end();
   return surface;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <limits>
@@ -22,7 +23,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "VTK output writes native byte order");
 
-constexpr std::uint8_t kVtkTetra = 10;
+constexpr std::uint8_t kVtkTetra = 10, kVtkWedge = 13;
 
 /// An array of the field data.
 struct Field {
@@ -105,24 +106,32 @@ constexpr std::string_view kFileTail = "\n</AppendedData>\n</VTKFile>\n";
 template <typename Integer>
 void write_cells(VtkOutput& file, const ColumnMesh& mesh, const std::vector<CellIndex>& offsets,
                  const Progress& progress) {
-  const auto cells = static_cast<std::size_t>(offsets.back());
+  const auto tets = static_cast<std::size_t>(offsets.back());
+  const std::size_t rows = offsets.size() - 1;
+  const auto prisms = static_cast<std::size_t>(mesh.layers.cells());
   file.write_next(
-      offsets.size() - 1,
+      rows + prisms,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        append_cells<Integer>(mesh, offsets, begin, end, buffer);
+        append_cells<Integer>(mesh, offsets, std::min(begin, rows), std::min(end, rows), buffer);
+        for (std::size_t i = std::max(begin, rows); i < end; ++i) {
+          const auto nodes = wedge(mesh, static_cast<std::int64_t>(i - rows));
+          for (const NodeIndex node : nodes) append_raw(buffer, static_cast<Integer>(node.value()));
+        }
       },
       portion(progress, 0, 0.75));
   file.write_next(
-      cells,
+      tets + prisms,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         RawNumbers ends(buffer, (end - begin) * sizeof(Integer));
-        for (std::size_t c = begin; c < end; ++c) ends.put(static_cast<Integer>(4 * (c + 1)));
+        for (std::size_t c = begin; c < end; ++c)
+          ends.put(static_cast<Integer>(c < tets ? 4 * (c + 1) : 4 * tets + 6 * (c + 1 - tets)));
       },
       portion(progress, 0.75, 0.95));
   file.write_next(
-      cells,
+      tets + prisms,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        buffer.append(end - begin, static_cast<char>(kVtkTetra));
+        for (std::size_t c = begin; c < end; ++c)
+          buffer += static_cast<char>(c < tets ? kVtkTetra : kVtkWedge);
       },
       portion(progress, 0.95, 1));
 }
@@ -134,8 +143,10 @@ void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
                std::span<const Building> buildings) {
   const std::vector<CellIndex> offsets = cell_offsets(mesh);
   const auto nodes = static_cast<std::uint64_t>(mesh.node_count());
-  const auto cells = std::size_t{offsets.back()};
-  const bool small = cells * 4 < std::numeric_limits<std::int32_t>::max();
+  const auto prisms = static_cast<std::size_t>(mesh.layers.cells());
+  const std::size_t cells = std::size_t{offsets.back()} + prisms;
+  const std::size_t corners = 4 * std::size_t{offsets.back()} + 6 * prisms;
+  const bool small = corners < std::numeric_limits<std::int32_t>::max();
   const std::string_view integer = small ? "Int32" : "Int64";
   const std::uint64_t width = small ? 4 : 8;
 
@@ -144,7 +155,7 @@ void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
   std::string piece =
       fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", nodes, cells);
   piece += "<Points>\n" + file.tag({"Float64", "Points", 3, nodes * 24}) + "</Points>\n<Cells>\n";
-  piece += file.tag({integer, "connectivity", 0, cells * 4 * width});
+  piece += file.tag({integer, "connectivity", 0, corners * width});
   piece += file.tag({integer, "offsets", 0, cells * width});
   piece += file.tag({"UInt8", "types", 0, cells});
   piece += "</Cells>\n<CellData Scalars=\"region\">\n";
@@ -162,10 +173,13 @@ void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
     write_cells<std::int32_t>(file, mesh, offsets, of_cells);
   else
     write_cells<std::int64_t>(file, mesh, offsets, of_cells);
+  const std::size_t rows = offsets.size() - 1;
   file.write_next(
-      offsets.size() - 1,
+      rows + prisms,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        append_regions(mesh, offsets, begin, end, buffer);
+        append_regions(mesh, offsets, std::min(begin, rows), std::min(end, rows), buffer);
+        for (std::size_t i = std::max(begin, rows); i < end; ++i)
+          append_raw(buffer, kNoBuilding.value());
       },
       portion(progress, 0.9, 1));
   write_fields(file, fields);
@@ -176,7 +190,8 @@ void write_vtp(const std::filesystem::path& path, const SurfaceMesh& surface,
                const Placement& placement, Compression compression,
                std::span<const Building> buildings) {
   const std::uint64_t points = surface.points.size();
-  const std::uint64_t faces = surface.triangles.size();
+  const SurfaceFaces face(surface);
+  const std::uint64_t faces = face.size(), corners = 3 * faces + surface.quads.size();
   VtkOutput file(path, compression);
   std::vector<Field> fields = patch_fields(surface.patches);
   for (Field& field : building_fields(buildings, Texts::kStrings))
@@ -186,7 +201,7 @@ void write_vtp(const std::filesystem::path& path, const SurfaceMesh& surface,
       "NumberOfPolys=\"{}\">\n",
       points, faces);
   piece += "<Points>\n" + file.tag({"Float64", "Points", 3, points * 24}) + "</Points>\n<Polys>\n";
-  piece += file.tag({"Int32", "connectivity", 0, faces * 12});
+  piece += file.tag({"Int32", "connectivity", 0, corners * 4});
   piece += file.tag({"Int32", "offsets", 0, faces * 4});
   piece += "</Polys>\n<CellData Scalars=\"patch\">\n";
   piece += file.tag({"Int32", "patch", 0, faces * 4});
@@ -203,16 +218,17 @@ void write_vtp(const std::filesystem::path& path, const SurfaceMesh& surface,
       append_raw(buffer, surface.points[i][c] + placement.shift[c]);
   });
   write_array(faces, [&](std::size_t i, std::string& buffer) {
-    for (const std::int32_t v : surface.triangles[i]) append_raw(buffer, v);
+    for (const std::int32_t v : face.corners(i)) append_raw(buffer, v);
   });
   write_array(faces, [&](std::size_t i, std::string& buffer) {
-    append_raw(buffer, static_cast<std::int32_t>(3 * (i + 1)));
+    append_raw(buffer, static_cast<std::int32_t>(3 * (i + 1) + face.quads_before(i + 1)));
   });
   write_array(faces, [&](std::size_t i, std::string& buffer) {
-    append_raw(buffer, static_cast<std::int32_t>(surface.patch[i]));
+    append_raw(buffer, static_cast<std::int32_t>(surface.patch[face.triangle(i)]));
   });
-  write_array(faces,
-              [&](std::size_t i, std::string& buffer) { append_raw(buffer, surface.building[i]); });
+  write_array(faces, [&](std::size_t i, std::string& buffer) {
+    append_raw(buffer, surface.building[face.triangle(i)]);
+  });
   write_fields(file, fields);
   file.commit(kFileTail);
 }

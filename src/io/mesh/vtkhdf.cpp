@@ -49,6 +49,7 @@ void make_root(const Hdf5File& file) {
 
 void write_vtkhdf(const std::filesystem::path& path, const ColumnMesh& mesh,
                   const Placement& placement, const Progress& progress) {
+  refuse_prisms(path, mesh);
   const std::vector<CellIndex> cells = cell_offsets(mesh);
   const auto nodes = static_cast<std::uint64_t>(mesh.node_count());
   const auto count = static_cast<std::uint64_t>(cells.back().value());

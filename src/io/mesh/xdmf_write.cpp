@@ -139,6 +139,7 @@ void write_xdmf(const std::filesystem::path& volume, const std::filesystem::path
                 const Progress& progress, Compression compression) {
   if (volume.parent_path() != boundary.parent_path() || volume.stem() == boundary.stem())
     throw_cannot_write(boundary, "it needs another name than the volume, in the same folder");
+  refuse_prisms(volume, mesh);
   require_boundary_of(mesh, surface);
   if (compression == Compression::kNone)
     write_all<Hdf5Output>(volume, boundary, mesh, surface, placement, progress);

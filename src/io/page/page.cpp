@@ -202,6 +202,7 @@ void add_columns(const ColumnMesh& mesh, bool floors_only, Payload& payload) {
 
 std::string page_html(const PageContents& contents, std::int64_t most_cells) {
   const ColumnMesh* mesh = contents.mesh;
+  // Prisms are not drawn: tets above them reach down to the ground.
   const std::int64_t cells = mesh == nullptr ? 0 : cell_offsets(*mesh).back().value();
   if (mesh != nullptr && std::ssize(mesh->ground.triangles) > kMostPageTriangles) mesh = nullptr;
   const bool has_volume = mesh != nullptr && cells <= most_cells;

@@ -17,6 +17,7 @@ struct Face {
   std::array<NodeIndex, 3> nodes;
   CellIndex cell;
   BuildingIndex building;
+  bool is_first_half = false;  ///< Of a quadrilateral; the next face is the other one.
 };
 
 /// Collects faces, one list a patch.
@@ -31,10 +32,11 @@ void add_floor_and_top(const ColumnMesh& mesh, const std::vector<CellIndex>& cel
   for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     const auto& v = mesh.ground.triangles[t];
     const Region& region = mesh.ground.region_of(t);
-    faces.add(region.floor,
-              {{mesh.floor_over(t, v[0]), mesh.floor_over(t, v[2]), mesh.floor_over(t, v[1])},
-               cells[t],
-               region.building});
+    if (!mesh.has_layers(t))
+      faces.add(region.floor,
+                {{mesh.floor_over(t, v[0]), mesh.floor_over(t, v[2]), mesh.floor_over(t, v[1])},
+                 cells[t],
+                 region.building});
     if (mesh.is_covered(t)) continue;
     faces.add(Patch::kTop,
               {{mesh.top(v[0]), mesh.top(v[1]), mesh.top(v[2])}, cells[t + 1] - 1, kNoBuilding});
@@ -114,6 +116,47 @@ void add_sides(const ColumnMesh& mesh, const std::vector<CellIndex>& cells, Face
   }
 }
 
+/// The ground below the layers, and their sides at walls and on the rim.
+void add_layers(const ColumnMesh& mesh, CellIndex first_prism, FaceLists& faces) {
+  SidesOfDomain sides(mesh.ground);
+  const PrismLayers& layers = mesh.layers;
+  const auto prism_over = [&](TriangleIndex t) {
+    const auto at = std::lower_bound(layers.triangles.begin(), layers.triangles.end(), t);
+    return first_prism + (at - layers.triangles.begin()) * std::int64_t{layers.count};
+  };
+  for (std::size_t i = 0; i < layers.triangles.size(); ++i) {
+    const TriangleIndex t = layers.triangles[i];
+    const auto& v = mesh.ground.triangles[t];
+    const auto node = [&](std::size_t c) { return layer_node(mesh, v[c], 0); };
+    faces.add(mesh.ground.region_of(t).floor,
+              {{node(0), node(2), node(1)}, prism_over(t), kNoBuilding});
+  }
+  for (const EdgeIndex e : mesh.edges.vertices.indices()) {
+    const auto [t0, t1] = mesh.edges.triangles[e];
+    const bool is_rim = t1 == kNoTriangle;
+    const auto& ends = mesh.edges.vertices[e];
+    const Patch side = is_rim ? sides.at(ends) : Patch::kWall;
+    const bool below = mesh.has_layers(t0);
+    if (is_rim ? !below : below == mesh.has_layers(t1)) continue;
+    const TriangleIndex air = below ? t0 : t1;
+    const BuildingIndex building =
+        is_rim ? kNoBuilding : mesh.ground.region_of(below ? t1 : t0).building;
+    // With the triangle on the left.
+    const auto& corners = mesh.ground.triangles[air];
+    const std::size_t at_low = static_cast<std::size_t>(
+        std::find(corners.begin(), corners.end(), ends[0]) - corners.begin());
+    const bool forward = corners[(at_low + 1) % 3] == ends[1];
+    const VertexIndex from = ends[forward ? 0 : 1], to = ends[forward ? 1 : 0];
+    for (std::int32_t k = 0; k < layers.count; ++k) {
+      const NodeIndex a = layer_node(mesh, from, k), b = layer_node(mesh, to, k);
+      const NodeIndex c = layer_node(mesh, to, k + 1), d = layer_node(mesh, from, k + 1);
+      const CellIndex cell = prism_over(air) + std::int64_t{k};
+      faces.add(side, {{a, b, c}, cell, building, true});
+      faces.add(side, {{a, c, d}, cell, building});
+    }
+  }
+}
+
 void add_upper(const ColumnMesh& mesh, FaceLists& faces) {
   const UpperFaces upper = upper_faces(mesh, false);
   for (const UpperFace& face : upper.top)
@@ -161,6 +204,8 @@ SurfaceMesh number_faces(const ColumnMesh& mesh, const FaceLists& faces) {
   const auto numbered = [&](NodeIndex node) { return number[node]; };
   for (std::size_t i = 0; i < faces.lists.size(); ++i) {
     for (const Face& face : faces.lists[i]) {
+      if (face.is_first_half)
+        surface.quads.push_back(static_cast<std::int32_t>(surface.triangles.size()));
       surface.triangles.push_back(
           {numbered(face.nodes[0]), numbered(face.nodes[1]), numbered(face.nodes[2])});
       surface.patch.push_back(faces.patches[i].patch);
@@ -179,7 +224,29 @@ SurfaceMesh extract_boundary(const ColumnMesh& mesh) {
   add_floor_and_top(mesh, cells, faces);
   add_sides(mesh, cells, faces);
   if (!mesh.upper.empty()) add_upper(mesh, faces);
+  if (!mesh.layers.empty()) add_layers(mesh, cells.back(), faces);
   return number_faces(mesh, faces);
+}
+
+std::size_t SurfaceFaces::quads_before(std::size_t i) const {
+  // Of quad q the number as a face, face_of(q), increases.
+  std::size_t low = 0, high = surface_.quads.size();
+  while (low < high) {
+    const std::size_t q = (low + high) / 2;
+    if (face_of(q) < i)
+      low = q + 1;
+    else
+      high = q;
+  }
+  return low;
+}
+
+std::vector<std::int32_t> SurfaceFaces::corners(std::size_t i) const {
+  const std::size_t f = triangle(i);
+  const auto& t = surface_.triangles[f];
+  std::vector<std::int32_t> corners(t.begin(), t.end());
+  if (is_quad(i)) corners.push_back(surface_.triangles[f + 1][2]);
+  return corners;
 }
 
 SurfaceMesh select_patches(const SurfaceMesh& surface, std::span<const Patch> patches) {
@@ -187,7 +254,10 @@ SurfaceMesh select_patches(const SurfaceMesh& surface, std::span<const Patch> pa
   std::vector<std::int32_t> number(surface.points.size(), unused);
   SurfaceMesh result;
   result.patches = surface.patches;
+  auto quad = surface.quads.begin();
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+    const bool is_first_half = quad != surface.quads.end() && static_cast<std::size_t>(*quad) == f;
+    if (is_first_half) ++quad;
     if (std::find(patches.begin(), patches.end(), surface.patch[f]) == patches.end()) continue;
     auto triangle = surface.triangles[f];
     for (auto& v : triangle) {
@@ -199,6 +269,7 @@ SurfaceMesh select_patches(const SurfaceMesh& surface, std::span<const Patch> pa
       }
       v = renumbered;
     }
+    if (is_first_half) result.quads.push_back(static_cast<std::int32_t>(result.triangles.size()));
     result.triangles.push_back(triangle);
     result.patch.push_back(surface.patch[f]);
     result.building.push_back(surface.building[f]);
@@ -210,6 +281,7 @@ SurfaceMesh select_patches(const SurfaceMesh& surface, std::span<const Patch> pa
 SurfaceMesh city_surface(const SurfaceMesh& boundary) {
   SurfaceMesh surface = select_patches(boundary, boundary.patches.solid());
   for (auto& triangle : surface.triangles) std::swap(triangle[1], triangle[2]);
+  surface.quads.clear();
   return surface;
 }
 
@@ -217,6 +289,8 @@ std::vector<PatchCount> count_by_patch(const SurfaceMesh& surface) {
   std::vector<PatchCount> counts;
   for (const PatchInfo& info : surface.patches) counts.push_back({info.name, 0});
   for (const Patch patch : surface.patch) ++counts[surface.patches.position(patch)].faces;
+  for (const std::int32_t f : surface.quads)
+    --counts[surface.patches.position(surface.patch[static_cast<std::size_t>(f)])].faces;
   return counts;
 }
 

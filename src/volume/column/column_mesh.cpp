@@ -23,10 +23,25 @@ namespace {
               "column mesh: at ground vertex " + std::to_string(v) + " " + what);
 }
 
+/// Of the layers.
+double shortest_below(const ColumnMesh& mesh, VertexIndex v) {
+  const PrismLayers& layers = mesh.layers;
+  if (layers.empty() || layers.position[v] < 0) return kInfinity;
+  const auto count = static_cast<std::size_t>(layers.count);
+  const double* const z = layers.z.data() + static_cast<std::size_t>(layers.position[v]) * count;
+  double shortest = kInfinity;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double length = (k + 1 < count ? z[k + 1] : mesh.z[mesh.first[v]]) - z[k];
+    if (!(length > 0 && length < kInfinity)) throw_invalid(v, "the layers do not increase");
+    shortest = std::min(shortest, length);
+  }
+  return shortest;
+}
+
 double shortest_edge(const ColumnMesh& mesh, VertexIndex v) {
   const NodeIndex first = mesh.first[v], end = mesh.first[v + 1];
   if (end < first + 2) throw_invalid(v, "the column has no height");
-  double shortest = kInfinity;
+  double shortest = shortest_below(mesh, v);
   for (const NodeIndex n : indices(first, end - 1)) {
     const double length = mesh.z[n + 1] - mesh.z[n];
     // Written so that NaN and infinity fail as well.

@@ -51,4 +51,10 @@ void fill_regions(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets,
   });
 }
 
+void fill_wedges(const ColumnMesh& mesh, std::span<std::array<NodeIndex, 6>> wedges) {
+  parallel_chunks(wedges.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) wedges[i] = wedge(mesh, static_cast<std::int64_t>(i));
+  });
+}
+
 }  // namespace tetropolis

@@ -15,6 +15,7 @@
 #include "core/parallel.h"
 #include "core/sort_once.h"
 #include "ground_heights.h"
+#include "layers_at_walls.h"
 #include "levels.h"
 
 namespace tetropolis {
@@ -247,11 +248,14 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, RoofHeights r
   plan.roofs = std::move(roofs);
   plan.spacing = std::move(spacing);
   plan.lowest_roof = lowest_roofs(mesh, plan.roofs);
-  const std::vector<double> terrain = terrain_under(mesh, dtm);
+  plan.lift.assign(options.lift.begin(), options.lift.end());
+  const std::vector<double> terrain = lifted_terrain(mesh, dtm, plan.lift);
   plan.ground = terrain;
   if (!options.excavated.empty())
     plan.ground.assign(options.excavated.begin(), options.excavated.end());
   std::vector<double> least(plan.spacing.size(), options.minimum_wall);
+  for (const VertexIndex v : indices<VertexIndex>(plan.lift.size()))
+    least[v] = wall_above_layers(options.minimum_wall, plan.lift[v]);
   std::vector<double> wall(least);
   // What rises beside a wall, but for walls that sink themselves.
   std::vector<double> around = plan.ground;
@@ -265,7 +269,7 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, RoofHeights r
     const double fits = wall_below(buried, plan.spacing[v]);
     // No deeper than the building stands somewhere, which beside a rock wall would be a pit. (Less
     // a micrometre, so that rounding does not lower what is there.)
-    double deepest = std::max(highest_wall[b] - 1e-6, options.minimum_wall);
+    double deepest = std::max(highest_wall[b] - 1e-6, least[v]);
     if (!options.deep_walls.empty() && options.deep_walls[b] != 0) deepest = kInfinity;
     least[v] = std::max(least[v], std::min(fits, deepest));
     wall[v] = std::max(least[v], std::min(deepest, kLoweredWallShare * plan.spacing[v]));

@@ -59,6 +59,8 @@ struct ColumnPlan {
   std::vector<double> top;               ///< Elevation of the top.
   std::vector<double> spacing;           ///< Distance between nodes asked for, > 0.
   std::vector<double> rise;              ///< As from ground_rise.
+  std::vector<double> lift;              ///< Height of the layers below the tets' ground, which
+                                         ///< `ground` is; empty: there are none.
   LayerPlan layers;                      ///< Height of the domain, and layers of uniform columns.
   std::int64_t lowered =
       0;               ///< Vertices outside buildings or on walls with ground below the terrain.
@@ -94,8 +96,11 @@ struct ColumnPlanOptions {
                                   ///< least 0.6 of the spacing; but not higher than the building's
                                   ///< walls are somewhere, unless they are deep_walls. Otherwise
                                   ///< they have the minimum.
-  std::span<const double> excavated = {};         ///< Per vertex, elevation of the terrain as
-                                                  ///< excavate() leaves it; empty: as in the DTM.
+  std::span<const double> lift = {};  ///< Per vertex, height of the layers that lie on the terrain:
+                                      ///< all else is about what lies on top of them. Walls are at
+                                      ///< least wall_above_layers() higher. Empty: none.
+  std::span<const double> excavated = {};  ///< Per vertex, elevation of the lifted terrain as
+                                           ///< excavate() leaves it; empty: as in the DTM.
   std::span<const std::uint8_t> deep_walls = {};  ///< Per building, 1: walls may become higher
                                                   ///< than they are anywhere. Empty: none may.
 };

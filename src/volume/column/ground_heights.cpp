@@ -6,6 +6,7 @@
 
 #include "core/infinity.h"
 #include "core/parallel.h"
+#include "layers_at_walls.h"
 
 namespace tetropolis {
 
@@ -33,7 +34,7 @@ std::vector<std::uint8_t> outside_vertices(const GroundMesh& mesh) {
 }
 
 double longest_wall_edge(const Raster& dtm, const RoofPlane& roof, Point2 a, Point2 b,
-                         double minimum_wall) {
+                         double minimum_wall, double layers) {
   // Found by trial, on the survey's cities below the floor of quality and on random hillsides.
   constexpr double kEdgesPerHeight = 4, kEdgesPerDepth = 3, kLeastHeight = 1, kGentle = 0.25;
   const double length = std::hypot(b.x - a.x, b.y - a.y);
@@ -48,6 +49,7 @@ double longest_wall_edge(const Raster& dtm, const RoofPlane& roof, Point2 a, Poi
     highest = std::max(highest, height);
     if (height >= minimum_wall) least = std::min(least, height);
   }
+  if (layers > 0 && least < kInfinity) least -= layers_beside_wall(layers, least);
   if (lowest < minimum_wall && highest - lowest > kGentle * length) return kInfinity;
   return std::max(kEdgesPerHeight * std::max(least, kLeastHeight), kEdgesPerDepth * -lowest);
 }
@@ -58,6 +60,13 @@ std::vector<double> terrain_under(const GroundMesh& mesh, const Raster& dtm) {
     for (const VertexIndex v : indices<VertexIndex>(begin, end))
       terrain[v] = sample(dtm, mesh.vertices[v]);
   });
+  return terrain;
+}
+
+std::vector<double> lifted_terrain(const GroundMesh& mesh, const Raster& dtm,
+                                   std::span<const double> lift) {
+  std::vector<double> terrain = terrain_under(mesh, dtm);
+  for (const VertexIndex v : indices<VertexIndex>(lift.size())) terrain[v] += lift[v];
   return terrain;
 }
 

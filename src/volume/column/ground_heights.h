@@ -26,11 +26,16 @@ std::vector<std::uint8_t> outside_vertices(const GroundMesh& mesh);
 /// such places do not count, and the edge is no less than three times their depth below the
 /// terrain; there is no bound (infinity) if the wall has such places only, or the terrain along it
 /// rises by more than one in four. Heights are looked up once per step of the DTM.
+/// With layers over open ground (all of them `layers` metres high) the wall is what is above them.
 double longest_wall_edge(const Raster& dtm, const RoofPlane& roof, Point2 a, Point2 b,
-                         double minimum_wall);
+                         double minimum_wall, double layers = 0);
 
 /// The DTM at each vertex.
 std::vector<double> terrain_under(const GroundMesh& mesh, const Raster& dtm);
+
+/// The same plus `lift` (per vertex, metres), if that is not empty.
+std::vector<double> lifted_terrain(const GroundMesh& mesh, const Raster& dtm,
+                                   std::span<const double> lift);
 
 /// Lowers `ground` at vertices of buildings whose roof is less than least[v] above it (a building
 /// set into a slope) to roof - wall[v], so that every wall has a positive height (guarantee 4) and,

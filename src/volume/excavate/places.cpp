@@ -135,6 +135,7 @@ Cutout cut_out(const Columns& columns, std::span<const VertexIndex> vertices) {
     plan.top.push_back(columns.plan.top[v]);
     plan.spacing.push_back(columns.plan.spacing[v]);
     plan.rise.push_back(columns.plan.rise[v]);
+    if (!columns.plan.lift.empty()) plan.lift.push_back(columns.plan.lift[v]);
     if (!roofs.all_flat()) plan.roofs.sloped.push_back(roofs.sloped[v]);
   }
   cutout.columns.mesh = gather_columns(vertices.size(), [&](VertexIndex v) {

@@ -67,7 +67,7 @@ class Place {
         options_(options),
         cells_elsewhere_(cells_elsewhere),
         progress_(progress),
-        terrain_(terrain_under(now_.mesh.ground, dtm)),
+        terrain_(lifted_terrain(now_.mesh.ground, dtm, now_.plan.lift)),
         faults_(now_.mesh),
         work_left_(options.work) {}
 
@@ -193,6 +193,7 @@ bool Place::excavate_marked() {
   }
   ColumnPlanOptions options = options_.plan;
   options.excavated = excavated;
+  options.lift = now_.plan.lift;
   options.deep_walls = marks_.walls;
   ColumnPlan plan =
       plan_columns(now_.mesh.ground, dtm_, now_.plan.roofs, now_.plan.spacing, options);
@@ -455,7 +456,8 @@ ImprovedColumns reach_quality_floor(Columns columns, const Raster& dtm,
         for (const VertexIndex v : mesh.ground.triangles[t]) seeds[v] |= bad[t];
       take_outcomes(improve_places(result.columns, std::move(seeds), moved, dtm, options, progress),
                     moved, measured, result);
-      count_lowered(mesh.ground, terrain_under(mesh.ground, dtm), options.plan.minimum_wall, plan);
+      count_lowered(mesh.ground, lifted_terrain(mesh.ground, dtm, plan.lift),
+                    options.plan.minimum_wall, plan);
       if (options.require_fits) options.require_fits(estimate_cells(plan));
     });
   result.columns_improved = std::count(moved.begin(), moved.end(), 1);

@@ -98,10 +98,9 @@ FaceQuality faces_over(const ColumnMesh& mesh, TriangleIndex t) {
   for (std::size_t c; (c = front.next()) < 3; front.advance(c)) {
     const Point3 apex = position(mesh, v[c], front.at(c) + 1);
     const Point3 centre = centre_of({face[0], face[1], face[2], apex});
-    if (std::exchange(is_first, false))
-      faces.add_boundary(face, centre);
-    else
-      faces.add(face, below, centre);
+    const bool is_lowest = std::exchange(is_first, false);
+    if (is_lowest && !mesh.has_layers(t)) faces.add_boundary(face, centre);
+    if (!is_lowest) faces.add(face, below, centre);
     below = centre;
     face[c] = apex;
   }

@@ -180,6 +180,7 @@ void FrontStore::add(const ColumnMesh& mesh, TriangleIndex t) {
   Place place{{}, used_};
   Fronts& fronts = place.fronts;
   fronts.is_covered = mesh.is_covered(t);
+  fronts.is_on_layers = mesh.has_layers(t);
   fronts.turn = int{a < b} + int{b < c} + int{c < a} == 2 ? 1 : -1;
   std::array<const double*, 3> at{}, last{}, level{};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -298,7 +299,7 @@ void StackKernels::measure(const Fronts& fronts) {
         faces_.skewness2, squared_skewness(base, x - along * nx, y - along * ny, up - along * nz,
                                            0.16 * along * along, a - z, b - z, c - z));
   };
-  add_end(0, 0, at(kTo)[0]);
+  if (!fronts.is_on_layers) add_end(0, 0, at(kTo)[0]);
   if (!fronts.is_covered) add_end(cells, cells - 1, at(kFrom)[cells - 1]);
 }
 

@@ -23,6 +23,7 @@ struct Fronts {
   double turn = 1;                   ///< -1: that is not the triangle's order.
   std::array<const double*, 3> z{};  ///< Per column: its elevation in each of cells + 1 fronts.
   bool is_covered = false;           ///< By cells of the upper part.
+  bool is_on_layers = false;         ///< Prisms are below.
   std::size_t cells = 0;             ///< From each front to the next, one column rises.
 };
 

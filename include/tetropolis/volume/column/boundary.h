@@ -13,7 +13,7 @@
 
 namespace tetropolis {
 
-/// A triangle surface with its own, gapless vertex numbering.
+/// A surface of triangles, some of them in pairs, with its own, gapless vertex numbering.
 struct SurfaceMesh {
   std::vector<std::array<double, 3>> points;           ///< Local frame, metres.
   std::vector<std::array<std::int32_t, 3>> triangles;  ///< Of a boundary: counter-clockwise seen
@@ -27,6 +27,10 @@ struct SurfaceMesh {
                                         ///< surface was read from a file.
   std::vector<CellIndex> cell;          ///< Per triangle: the cell behind it; likewise.
 
+  /// Positions of triangles that are, with the next one, the halves (a, b, c) and (a, c, d) of one
+  /// quadrilateral face; ascending. It is one face: those of prisms, on walls and sides.
+  std::vector<std::int32_t> quads = {};
+
   const PatchInfo& patch_of(std::size_t f) const { return patches.of(patch[f]); }
 };
 
@@ -35,11 +39,35 @@ struct SurfaceMesh {
 /// of the domain.
 SurfaceMesh extract_boundary(const ColumnMesh& mesh);
 
+/// The faces of a surface, whose quadrilaterals are one each. Refers to it.
+class SurfaceFaces {
+ public:
+  explicit SurfaceFaces(const SurfaceMesh& surface) : surface_(surface) {}
+  std::size_t size() const { return surface_.triangles.size() - surface_.quads.size(); }
+  /// The first triangle of face i.
+  std::size_t triangle(std::size_t i) const { return i + quads_before(i); }
+  bool is_quad(std::size_t i) const {
+    const std::size_t q = quads_before(i);
+    return q < surface_.quads.size() && face_of(q) == i;
+  }
+  /// Its 3 or 4 points.
+  std::vector<std::int32_t> corners(std::size_t i) const;
+  /// How many of the faces before face i are quadrilaterals.
+  std::size_t quads_before(std::size_t i) const;
+
+ private:
+  std::size_t face_of(std::size_t q) const {
+    return static_cast<std::size_t>(surface_.quads[q]) - q;
+  }
+
+  const SurfaceMesh& surface_;
+};
+
 /// The faces of some patches only, renumbered.
 SurfaceMesh select_patches(const SurfaceMesh& surface, std::span<const Patch> patches);
 
 /// Ground, roofs and walls of a boundary as people look at them: its solid patches, renumbered, and
-/// turned round, so normals point into the air.
+/// turned round, so normals point into the air. Its quadrilaterals are triangles.
 SurfaceMesh city_surface(const SurfaceMesh& boundary);
 
 struct PatchCount {
@@ -48,7 +76,8 @@ struct PatchCount {
   friend bool operator==(const PatchCount&, const PatchCount&) = default;
 };
 
-/// Number of faces of each patch of `surface.patches`, also of those without faces.
+/// Number of faces of each patch of `surface.patches`, also of those without faces; quadrilaterals
+/// are one.
 std::vector<PatchCount> count_by_patch(const SurfaceMesh& surface);
 
 /// Whether every edge has exactly two faces that run along it in opposite directions (closed,

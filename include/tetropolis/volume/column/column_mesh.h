@@ -35,6 +35,7 @@
 
 #include "tetropolis/ground/ground_mesh.h"
 #include "tetropolis/volume/column/edge_graph.h"
+#include "tetropolis/volume/column/prism_layers.h"
 #include "tetropolis/volume/column/upper_mesh.h"
 
 namespace tetropolis {
@@ -53,15 +54,19 @@ struct ColumnMesh {
   std::vector<double> floor_levels;  ///< Per entry of `regions`: level of the region's floor.
                                      ///< Empty: all levels are elevations.
   std::vector<double> levels;        ///< Per node: level, increasing in each column; likewise.
-  UpperMesh upper;                   ///< What is above the columns' ends.
+  UpperMesh upper;                   ///< What is above the columns' ends,
+  PrismLayers layers;                ///< and what is below them over open ground.
 
   std::size_t vertex_count() const { return ground.vertices.size(); }
   std::size_t triangle_count() const { return ground.triangles.size(); }
-  /// Of columns and of the upper part.
-  std::int64_t node_count() const {
-    return column_nodes() + static_cast<std::int64_t>(upper.points.size());
+  /// Of columns, of the upper part and of layers.
+  std::int64_t node_count() const { return first_layer_node().value() + layers.nodes(); }
+  NodeIndex first_layer_node() const {
+    return NodeIndex(column_nodes() + static_cast<std::int64_t>(upper.points.size()));
   }
   std::int64_t column_nodes() const { return first.back().value(); }
+  /// Whether prisms lie below the stack over triangle t.
+  bool has_layers(TriangleIndex t) const { return !layers.empty() && !inside_building(t); }
   /// Whether cells of the upper part lie on the stack over triangle t.
   bool is_covered(TriangleIndex t) const { return !upper.empty() && upper.over_lid[t] != kNoCell; }
   /// The nodes of column v, upwards.
@@ -112,9 +117,33 @@ inline constexpr std::size_t kUpperBlock = 64;
 /// So there are offsets.size() - 1 rows of cells, one per triangle or block.
 std::vector<CellIndex> cell_offsets(const ColumnMesh& mesh);
 
-/// Rows of nodes: one per ground vertex, and then one per block of the upper part.
+/// Rows of nodes: one per ground vertex, then one per block of the upper part, and one per vertex
+/// of the layers.
 inline std::size_t point_rows(const ColumnMesh& mesh) {
-  return mesh.vertex_count() + (mesh.upper.points.size() + kUpperBlock - 1) / kUpperBlock;
+  return mesh.vertex_count() + (mesh.upper.points.size() + kUpperBlock - 1) / kUpperBlock +
+         mesh.layers.vertices.size();
+}
+
+/// The node of vertex v below (0 .. count - 1) or on top of (count) layer k. Precondition: v is one
+/// of the layers'.
+inline NodeIndex layer_node(const ColumnMesh& mesh, VertexIndex v, std::int32_t k) {
+  const PrismLayers& layers = mesh.layers;
+  if (k == layers.count) return mesh.first[v];
+  return mesh.first_layer_node() + (std::int64_t{layers.position[v]} * layers.count + k);
+}
+
+/// Prism i of layers.cells(): its corners below, as the triangle has them, and those above. Its
+/// number among cells is that of all tets plus i.
+inline std::array<NodeIndex, 6> wedge(const ColumnMesh& mesh, std::int64_t i) {
+  const std::int64_t count = mesh.layers.count;
+  const auto layer = static_cast<std::int32_t>(i % count);
+  const TriangleIndex t = mesh.layers.triangles[static_cast<std::size_t>(i / count)];
+  std::array<NodeIndex, 6> nodes{};
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::int32_t above = 0; above < 2; ++above)
+      nodes[c + (above != 0 ? 3 : 0)] =
+          layer_node(mesh, mesh.ground.triangles[t][c], layer + above);
+  return nodes;
 }
 
 /// What fronts order a column's segments by, here the one from node n up: twice the level of its
@@ -220,6 +249,15 @@ void for_each_point_of(const ColumnMesh& mesh, std::size_t row, const Visit& vis
   const auto& points = mesh.upper.points;
   const std::size_t begin = (row - mesh.vertex_count()) * kUpperBlock;
   const std::size_t end = std::min(begin + kUpperBlock, points.size());
+  if (begin >= points.size()) {
+    const PrismLayers& layers = mesh.layers;
+    const VertexIndex v = layers.vertices[row + layers.vertices.size() - point_rows(mesh)];
+    const Point2 p = mesh.ground.vertices[v];
+    const double* const z = layers.z.data() + (layer_node(mesh, v, 0) - mesh.first_layer_node());
+    for (std::int32_t k = 0; k < layers.count; ++k)
+      visit(layer_node(mesh, v, k), Point3{p.x, p.y, z[k]});
+    return;
+  }
   for (std::size_t i = begin; i < end; ++i)
     visit(NodeIndex(mesh.column_nodes()) + static_cast<std::int64_t>(i), points[i]);
 }
@@ -231,9 +269,9 @@ inline std::array<double, 3> position(const ColumnMesh& mesh, VertexIndex v, Nod
 }
 
 /// What makes the mesh valid (guarantees 4 and 5): every column has at least two nodes and
-/// increases, and fronts pass through the edges of roofs. Throws Error(kGuarantee) naming the
-/// ground vertex otherwise. Returns the shortest vertical edge in metres. Precondition: `edges` are
-/// those of `ground`.
+/// increases, with its layers below, and fronts pass through the edges of roofs. Throws
+/// Error(kGuarantee) naming the ground vertex otherwise. Returns the shortest vertical edge in
+/// metres. Precondition: `edges` are those of `ground`.
 double require_valid(const ColumnMesh& mesh);
 
 }  // namespace tetropolis

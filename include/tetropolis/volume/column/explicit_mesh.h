@@ -17,7 +17,7 @@ namespace tetropolis {
 void fill_points(const ColumnMesh& mesh, const Point3& shift,
                  std::span<std::array<double, 3>> points);
 
-/// Nodes of the cells of the rows [begin, end) of cell_offsets(), as for_each_tet_of has them.
+/// Nodes of the tets of the rows [begin, end) of cell_offsets(), as for_each_tet_of has them.
 /// Precondition: `offsets` is cell_offsets(mesh); `cells` has offsets[end] - offsets[begin].
 void fill_cells(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets, std::size_t begin,
                 std::size_t end, std::span<std::array<NodeIndex, 4>> cells);
@@ -26,5 +26,8 @@ void fill_cells(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets, s
 /// Preconditions likewise.
 void fill_regions(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets, std::size_t begin,
                   std::size_t end, std::span<BuildingIndex> regions);
+
+/// Nodes of all prisms, as wedge() has them. Precondition: `wedges` has mesh.layers.cells().
+void fill_wedges(const ColumnMesh& mesh, std::span<std::array<NodeIndex, 6>> wedges);
 
 }  // namespace tetropolis

@@ -1,0 +1,48 @@
+// Thin layers of prisms between open ground and the tets above it.
+//
+//        d'------f'      A prism (wedge) over a triangle of the ground mesh: the same triangle at
+//        two | \e'/ |        heights, and three upright quadrilaterals between. It is not split
+//        into |  |   |        tets, which would be flat. On top of the uppermost ones begin the
+//        columns: d--|---f        the tet mesher takes their top for the ground.
+//         \ e  /
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tetropolis/ground/ground_mesh.h"
+
+namespace tetropolis {
+
+/// What layers are asked for.
+struct LayerHeights {
+  int count = 0;        ///< Layers, >= 0.
+  double first = 0.5;   ///< Height of the lowest, metres, > 0.
+  double growth = 1.2;  ///< From one to the next, >= 1.
+
+  /// Of all together, metres.
+  double total() const {
+    double sum = 0, height = first;
+    for (int i = 0; i < count; ++i, height *= growth) sum += height;
+    return sum;
+  }
+};
+
+/// Nodes are those of each vertex from the ground upwards, without the one on top: that is the
+/// lowest node of the vertex's column. Numbered after all other nodes, and prisms after all tets:
+/// triangle by triangle and upwards.
+struct PrismLayers {
+  std::int32_t count = 0;                ///< Layers; 0: none.
+  std::vector<TriangleIndex> triangles;  ///< Of the ground mesh that they lie on, ascending.
+  std::vector<VertexIndex> vertices;     ///< Of these, ascending.
+  std::vector<std::int32_t> position;  ///< Per vertex of the ground mesh, its place in `vertices`;
+                                       ///< -1: it is not there.
+  std::vector<double> z;               ///< `count` elevations per vertex of `vertices`, metres,
+                                       ///< increasing up to the lowest node of the column.
+
+  bool empty() const { return count == 0; }
+  std::int64_t nodes() const { return static_cast<std::int64_t>(z.size()); }
+  std::int64_t cells() const { return count * static_cast<std::int64_t>(triangles.size()); }
+};
+
+}  // namespace tetropolis

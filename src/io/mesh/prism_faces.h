@@ -1,0 +1,29 @@
+// Which prisms of a column mesh share which faces.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "tetropolis/volume/column/column_mesh.h"
+
+namespace tetropolis {
+
+/// A face between two prisms: its normal (right-hand rule) leaves `owner` for `neighbour`, and
+/// owner < neighbour.
+struct PrismFace {
+  CellIndex owner;
+  CellIndex neighbour;
+  std::array<NodeIndex, 4> nodes;
+  std::size_t corners;  ///< 3 or 4 of them.
+};
+
+/// The number of the lowest prism over triangle t. Precondition: mesh.has_layers(t);
+/// `first_prism`: that of the first of all.
+CellIndex lowest_prism(const ColumnMesh& mesh, CellIndex first_prism, TriangleIndex t);
+
+/// All of them in upper-triangular order: by owner, then by neighbour. Those between prisms and
+/// tets are the floors of stacks: they belong to the tets, whose numbers are lower.
+std::vector<PrismFace> prism_faces(const ColumnMesh& mesh, CellIndex first_prism);
+
+}  // namespace tetropolis

@@ -1,0 +1,91 @@
+#include "prism_layers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/parallel.h"
+#include "volume/column/layers_at_walls.h"
+#include "volume/layered/free_top.h"
+
+namespace tetropolis {
+
+namespace {
+
+/// Tangent of the angle between ground and top of the layers, at most.
+constexpr double kSteepestLift = 0.25;
+
+double sum_of(const LayerHeights& heights, double ratio) {
+  return LayerHeights{heights.count, heights.first, ratio}.total();
+}
+
+/// Tops of the layers above the ground, without the uppermost one, which is at `all`.
+void divide_layers(double all, const LayerHeights& heights, std::vector<double>& tops) {
+  double low = 1 / heights.growth, high = heights.growth;
+  double first = heights.first;
+  if (const double least = sum_of(heights, low); all < least) {
+    first *= all / least;
+    high = low;
+  } else if (all < sum_of(heights, high)) {
+    for (int i = 0; i < 60; ++i) {
+      const double middle = (low + high) / 2;
+      (sum_of(heights, middle) < all ? low : high) = middle;
+    }
+  }
+  tops.clear();
+  double top = 0;
+  for (int i = 0; i + 1 < heights.count; ++i, first *= high) tops.push_back(top += first);
+}
+
+}  // namespace
+
+std::vector<double> layer_lift(const GroundMesh& mesh, const EdgeGraph& edges,
+                               std::span<const double> terrain,
+                               std::span<const RegionIndex> lowest_roof, const RoofHeights& roofs,
+                               const LayerHeights& heights, double minimum_wall) {
+  if (heights.count == 0) return {};
+  const double all = heights.total();
+  std::vector<double> lift(mesh.vertices.size(),
+                           -all);  // downwards, as slopes are limited by raising
+  for (const VertexIndex v : mesh.vertices.indices()) {
+    if (lowest_roof[v] == kNoRegion) continue;
+    const double wall = roofs.at(lowest_roof[v], v) - terrain[v];
+    lift[v] = -layers_beside_wall(all, std::max(wall, minimum_wall));
+  }
+  limit_slope(mesh, edges, kSteepestLift, lift);
+  for (double& height : lift) height = -height;
+  return lift;
+}
+
+void lay_prisms(std::span<const double> lift, const LayerHeights& heights, ColumnMesh& mesh) {
+  PrismLayers layers;
+  layers.count = heights.count;
+  layers.position.assign(mesh.vertex_count(), -1);
+  for (const TriangleIndex t : mesh.ground.triangles.indices()) {
+    if (mesh.inside_building(t)) continue;
+    layers.triangles.push_back(t);
+    for (const VertexIndex v : mesh.ground.triangles[t]) layers.position[v] = 0;
+  }
+  for (const VertexIndex v : mesh.ground.vertices.indices()) {
+    if (layers.position[v] < 0) continue;
+    layers.position[v] = static_cast<std::int32_t>(layers.vertices.size());
+    layers.vertices.push_back(v);
+  }
+  const auto count = static_cast<std::size_t>(layers.count);
+  layers.z.resize(layers.vertices.size() * count);
+  parallel_chunks(layers.vertices.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    std::vector<double> tops;
+    for (std::size_t i = begin; i < end; ++i) {
+      const VertexIndex v = layers.vertices[i];
+      const double ground = mesh.z[mesh.first[v]] - lift[v];
+      divide_layers(lift[v], heights, tops);
+      double* z = layers.z.data() + i * count;
+      *z++ = ground;
+      for (const double top : tops) *z++ = ground + top;
+    }
+  });
+  mesh.layers = std::move(layers);
+}
+
+}  // namespace tetropolis

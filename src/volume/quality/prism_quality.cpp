@@ -1,0 +1,255 @@
+#include "tetropolis/volume/quality/prism_quality.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "tetropolis/volume/quality/face_quality.h"
+
+#include "core/infinity.h"
+#include "core/parallel.h"
+#include "core/units.h"
+#include "geometry/vec3.h"
+#include "tet_cosines.h"
+
+namespace tetropolis {
+
+namespace {
+
+constexpr std::size_t kTrianglesPerChunk = 1024;
+
+Point3 plus(const Point3& a, double share, const Point3& b) {
+  return {a[0] + share * b[0], a[1] + share * b[1], a[2] + share * b[2]};
+}
+
+double length(const Point3& a) { return std::sqrt(dot(a, a)); }
+
+/// A face made of the triangles between its edges and the mean of its corners, as in OpenFOAM.
+struct Face {
+  std::array<Point3, 4> corners{};
+  std::size_t count = 0;
+  Point3 area{};  ///< Vector, outwards.
+  Point3 centre{};
+  double flatness = 1;
+};
+
+Face face_of(std::span<const Point3> corners) {
+  Face face;
+  face.count = corners.size();
+  Point3 mean{};
+  for (const Point3& p : corners) mean = plus(mean, 1 / static_cast<double>(corners.size()), p);
+  double sum = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Point3 &a = corners[i], &b = corners[(i + 1) % corners.size()];
+    face.corners[i] = a;
+    const Point3 twice = cross(minus(b, a), minus(mean, a));
+    const double size = length(twice) / 2;
+    face.area = plus(face.area, 0.5, twice);
+    sum += size;
+    for (const Point3& p : {a, b, mean}) face.centre = plus(face.centre, size / 3, p);
+  }
+  for (double& c : face.centre) c /= sum;
+  face.flatness = length(face.area) / sum;
+  return face;
+}
+
+/// A prism: its lower face, its upper one, and those over the sides from corner i to the next.
+struct Prism {
+  std::array<Face, 5> faces;
+  Point3 centre{};
+  double volume = 0;
+  double least_height = kInfinity;
+};
+
+Prism prism_at(const ColumnMesh& mesh, TriangleIndex t, std::int32_t layer) {
+  const auto& v = mesh.ground.triangles[t];
+  const PrismLayers& layers = mesh.layers;
+  const auto z = [&](VertexIndex u, std::int32_t k) {
+    const std::size_t first =
+        static_cast<std::size_t>(layers.position[u]) * static_cast<std::size_t>(layers.count);
+    return k == layers.count ? mesh.z[mesh.first[u]]
+                             : layers.z[first + static_cast<std::size_t>(k)];
+  };
+  std::array<Point3, 3> low{}, high{};
+  Prism prism;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Point2 p = mesh.ground.vertices[v[i]];
+    low[i] = {p.x, p.y, z(v[i], layer)};
+    high[i] = {p.x, p.y, z(v[i], layer + 1)};
+    prism.least_height = std::min(prism.least_height, high[i][2] - low[i][2]);
+  }
+  prism.faces[0] = face_of(std::array{low[0], low[2], low[1]});
+  prism.faces[1] = face_of(high);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3;
+    prism.faces[2 + i] = face_of(std::array{low[i], low[j], high[j], high[i]});
+  }
+  Point3 guess{};
+  for (const Face& face : prism.faces) guess = plus(guess, 0.2, face.centre);
+  for (const Face& face : prism.faces) {
+    const double volume = dot(face.area, minus(face.centre, guess)) / 3;
+    prism.volume += volume;
+    prism.centre = plus(plus(prism.centre, 0.75 * volume, face.centre), 0.25 * volume, guess);
+  }
+  for (double& c : prism.centre) c /= prism.volume;
+  return prism;
+}
+
+/// As in primitiveMeshTools::cellClosedness.
+double aspect_ratio(const Prism& prism) {
+  Point3 sum{};
+  for (const Face& face : prism.faces)
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += std::abs(face.area[c]);
+  const auto [least, most] = std::minmax({sum[0], sum[1], sum[2]});
+  const double of_surface = (sum[0] + sum[1] + sum[2]) / (6 * std::pow(prism.volume, 2.0 / 3));
+  return std::max(most / least, of_surface);
+}
+
+struct Sums {
+  PrismQuality quality;
+  double cosines = 0, least_cosine = 1;
+
+  void add(const Prism& prism) {
+    ++quality.cells;
+    quality.volume += prism.volume;
+    quality.least_height = std::min(quality.least_height, prism.least_height);
+    quality.max_aspect_ratio = std::max(quality.max_aspect_ratio, aspect_ratio(prism));
+    for (const Face& face : prism.faces)
+      quality.least_flatness = std::min(quality.least_flatness, face.flatness);
+  }
+  /// Between the cells with these centres; the face's area leaves the first.
+  void add_inner(const Face& face, const Point3& from, const Point3& to) {
+    static const double cosine_of_70 = std::cos(to_radians(kMostNonOrthogonal));
+    const Point3 line = minus(to, from);
+    const double along = dot(face.area, line), distance = length(line);
+    const double cosine = along / (length(face.area) * distance);
+    ++quality.faces;
+    quality.above_70 += cosine < cosine_of_70 ? 1 : 0;
+    cosines += cosine;
+    least_cosine = std::min(least_cosine, cosine);
+    const Point3 to_face = minus(face.centre, from);
+    add_skewness(face, plus(to_face, -dot(face.area, to_face) / along, line), 0.2 * distance);
+  }
+  void add_outer(const Face& face, const Point3& from) {
+    const Point3 to_face = minus(face.centre, from);
+    const double share = dot(face.area, to_face) / dot(face.area, face.area);
+    add_skewness(face, plus(to_face, -share, face.area), 0.4 * std::abs(share) * length(face.area));
+  }
+  void add_skewness(const Face& face, const Point3& skew, double least_extent) {
+    const double off = length(skew);
+    if (!(off > 0)) return;
+    double extent = least_extent;
+    for (std::size_t i = 0; i < face.count; ++i)
+      extent = std::max(extent, std::abs(dot(skew, minus(face.corners[i], face.centre))) / off);
+    quality.max_skewness = std::max(quality.max_skewness, off / extent);
+  }
+};
+
+Sums added(Sums a, const Sums& b) {
+  PrismQuality& sum = a.quality;
+  const PrismQuality& more = b.quality;
+  sum.cells += more.cells;
+  sum.volume += more.volume;
+  sum.least_height = std::min(sum.least_height, more.least_height);
+  sum.faces += more.faces;
+  sum.above_70 += more.above_70;
+  sum.max_skewness = std::max(sum.max_skewness, more.max_skewness);
+  sum.max_aspect_ratio = std::max(sum.max_aspect_ratio, more.max_aspect_ratio);
+  sum.least_flatness = std::min(sum.least_flatness, more.least_flatness);
+  a.cosines += b.cosines;
+  a.least_cosine = std::min(a.least_cosine, b.least_cosine);
+  return a;
+}
+
+/// The triangle beyond the side from corner i to the next.
+TriangleIndex beyond(const ColumnMesh& mesh, TriangleIndex t, std::size_t i) {
+  const auto& v = mesh.ground.triangles[t];
+  const std::array<VertexIndex, 2> ends{std::min(v[i], v[(i + 1) % 3]),
+                                        std::max(v[i], v[(i + 1) % 3])};
+  for (const EdgeIndex e : mesh.edges.of_triangle[t])
+    if (mesh.edges.vertices[e] == ends)
+      return mesh.edges.triangles[e][0] == t ? mesh.edges.triangles[e][1]
+                                             : mesh.edges.triangles[e][0];
+  return kNoTriangle;
+}
+
+/// The centre of the lowest tet over triangle t.
+Point3 lowest_tet(const ColumnMesh& mesh, TriangleIndex t) {
+  const Climb<3> front = climb_triangle(mesh, t);
+  const std::size_t c = front.next();
+  std::array<Point3, 4> p{};
+  for (std::size_t i = 0; i < 3; ++i)
+    p[i] = position(mesh, mesh.ground.triangles[t][i], front.at(i));
+  p[3] = position(mesh, mesh.ground.triangles[t][c], front.at(c) + 1);
+  return centre_of(p);
+}
+
+void add_over(const ColumnMesh& mesh, TriangleIndex t, Sums& sums) {
+  const std::int32_t count = mesh.layers.count;
+  Prism prism = prism_at(mesh, t, 0);
+  sums.add_outer(prism.faces[0], prism.centre);
+  for (std::int32_t k = 0; k < count; ++k) {
+    sums.add(prism);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const TriangleIndex other = beyond(mesh, t, i);
+      if (other == kNoTriangle || !mesh.has_layers(other))
+        sums.add_outer(prism.faces[2 + i], prism.centre);
+      else if (other > t)
+        sums.add_inner(prism.faces[2 + i], prism.centre, prism_at(mesh, other, k).centre);
+    }
+    if (k + 1 == count) {
+      sums.add_inner(prism.faces[1], prism.centre, lowest_tet(mesh, t));
+      break;
+    }
+    const Prism above = prism_at(mesh, t, k + 1);
+    sums.add_inner(prism.faces[1], prism.centre, above.centre);
+    prism = above;
+  }
+}
+
+double share_as_asked(const ColumnMesh& mesh, double first) {
+  const PrismLayers& layers = mesh.layers;
+  const auto is_as_asked = [&](VertexIndex v) {
+    const std::size_t at =
+        static_cast<std::size_t>(layers.position[v]) * static_cast<std::size_t>(layers.count);
+    const double top = layers.count > 1 ? layers.z[at + 1] : mesh.z[mesh.first[v]];
+    return std::abs(top - layers.z[at] - first) <= 1e-3;
+  };
+  double all = 0, as_asked = 0;
+  for (const TriangleIndex t : mesh.ground.triangles.indices()) {
+    if (!mesh.has_layers(t)) continue;
+    const auto& v = mesh.ground.triangles[t];
+    const Point2 a = mesh.ground.vertices[v[0]], b = mesh.ground.vertices[v[1]];
+    const Point2 c = mesh.ground.vertices[v[2]];
+    const double area = ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)) / 2;
+    all += area;
+    for (const VertexIndex u : v) as_asked += is_as_asked(u) ? area / 3 : 0;
+  }
+  return all > 0 ? as_asked / all : 0;
+}
+
+}  // namespace
+
+PrismQuality measure_prisms(const ColumnMesh& mesh, double first) {
+  const PrismLayers& layers = mesh.layers;
+  if (layers.empty() || layers.triangles.empty()) return {};
+  Sums none;
+  none.quality.least_height = kInfinity;
+  const Sums sums = parallel_reduce_ordered(
+      layers.triangles.size(), kTrianglesPerChunk, none,
+      [&](std::size_t begin, std::size_t end) {
+        Sums part = none;
+        for (std::size_t i = begin; i < end; ++i) add_over(mesh, layers.triangles[i], part);
+        return part;
+      },
+      added);
+  PrismQuality quality = sums.quality;
+  quality.max_non_orthogonality_deg = angle_deg(sums.least_cosine);
+  quality.mean_non_orthogonality_deg = angle_deg(sums.cosines / static_cast<double>(quality.faces));
+  quality.share_as_asked = share_as_asked(mesh, first);
+  return quality;
+}
+
+}  // namespace tetropolis
