@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
+#include <mutex>
 #include <numbers>
 #include <string_view>
 #include <utility>
@@ -214,9 +216,20 @@ gdal::Srs require_srs(const std::string& text) {
 
 std::string normalise_crs(const std::string& text) {
   if (text.find_first_not_of(" \t\r\n") == std::string::npos) return "";
+  // Every reader and writer asks, and for the same few.
+  static std::mutex mutex;
+  static std::map<std::string, std::string> known;
+  constexpr std::size_t kMostKnown = 100;
+  {
+    const std::lock_guard lock(mutex);
+    if (const auto found = known.find(text); found != known.end()) return found->second;
+  }
   const gdal::Srs srs = require_srs(text);
   const gdal::QuietErrors errors;
-  return gdal::canonical_name(srs.get());
+  std::string name = gdal::canonical_name(srs.get());
+  const std::lock_guard lock(mutex);
+  if (known.size() < kMostKnown) known.emplace(text, name);
+  return name;
 }
 
 std::string crs_name(const std::string& crs) {

@@ -116,11 +116,40 @@ std::string sift_keys(std::string_view directory) {
   return result + kept;
 }
 
+/// The code of a projected system, if the keys (sifted) say nothing but that: as most files do, and
+/// to ask for it is ten times as fast. 0 otherwise.
+int stated_code(std::string_view directory) {
+  int code = 0;
+  bool is_projected = false;
+  for (std::size_t at = 8; at + 8 <= directory.size(); at += 8) {
+    std::array<std::uint16_t, 4> key{};  // its number, where the value is, how many, value
+    std::memcpy(key.data(), directory.data() + at, 8);
+    constexpr int kModelType = 1024, kRasterType = 1025, kProjectedSystem = 3072;
+    if (key[1] != 0 || key[2] != 1) return 0;
+    if (key[0] == kModelType)
+      is_projected = key[3] == 1;
+    else if (key[0] == kProjectedSystem)
+      code = key[3];
+    else if (key[0] != kRasterType)
+      return 0;
+  }
+  return is_projected && code >= 1024 && code < 32767 ? code : 0;
+}
+
 /// LAS keeps the three GeoTIFF tags as they are in a TIFF, so GDAL may interpret them there: it
 /// knows user-defined projections, units and the many ways in which keys are abused.
 std::string crs_of_keys(const std::vector<Vlr>& vlrs) {
   const Vlr* keys = find(vlrs, kGeoKeys);
   if (keys == nullptr || keys->data.size() < 8) return "";
+  const std::string directory = sift_keys(keys->data);
+  if (const int code = stated_code(directory); code > 0) {
+    const std::string name = fmt::format("EPSG:{}", code);
+    const gdal::Srs srs = gdal::parse_srs(name);
+    // Of a deprecated system, GDAL may return another one.
+    if (srs != nullptr && OSRIsProjected(srs.get()) != 0 &&
+        gdal::canonical_name(srs.get()) == name)
+      return name;
+  }
   TinyTiff tiff;
   tiff.add_short(256, 1);  // Width.
   tiff.add_short(257, 1);  // Height.
@@ -133,7 +162,6 @@ std::string crs_of_keys(const std::vector<Vlr>& vlrs) {
   tiff.add_short(279, 1);  // Bytes of the strip.
   tiff.add_doubles(33550, {1, 1, 0});
   tiff.add_doubles(33922, {0, 0, 0, 0, 0, 0});
-  const std::string directory = sift_keys(keys->data);
   tiff.add(kGeoKeys, 3, directory.size() / 2, directory);
   if (const Vlr* doubles = find(vlrs, kGeoDoubles); doubles != nullptr && doubles->data.size() >= 8)
     tiff.add(kGeoDoubles, 12, doubles->data.size() / 8,

@@ -1,35 +1,45 @@
 // The faces of a mesh's upper part.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "tetropolis/volume/column/column_mesh.h"
 
 namespace tetropolis {
 
-/// The ground vertex that nodes of the upper part and ends of columns are over.
+/// The ground vertex that nodes of the upper part and ends of columns are over. Takes a byte for
+/// every four nodes of columns.
 class UpperNodes {
  public:
-  explicit UpperNodes(const ColumnMesh& mesh) : mesh_(mesh) {}
+  explicit UpperNodes(const ColumnMesh& mesh);
   VertexIndex vertex(NodeIndex n) const {
     if (n >= mesh_.column_nodes())
       return mesh_.upper.vertex[static_cast<std::size_t>(n.value() - mesh_.column_nodes())];
-    return VertexIndex(std::upper_bound(mesh_.first.begin(), mesh_.first.end(), n) -
-                       mesh_.first.begin() - 1);
+    VertexIndex v = first_of_block_[static_cast<std::size_t>(n.value()) / kBlock];
+    while (mesh_.first[v + 1] <= n) ++v;
+    return v;
   }
   Point3 operator[](NodeIndex n) const {
     if (n >= mesh_.column_nodes())
       return mesh_.upper.points[static_cast<std::size_t>(n.value() - mesh_.column_nodes())];
     return position(mesh_, vertex(n), n);
   }
+  /// Numbers ends of columns, and after them nodes of the upper part: in the same order.
+  std::size_t place(NodeIndex n) const {
+    if (n < mesh_.column_nodes()) return vertex(n);
+    return mesh_.vertex_count() + static_cast<std::size_t>(n.value() - mesh_.column_nodes());
+  }
+  std::size_t places() const { return mesh_.vertex_count() + mesh_.upper.points.size(); }
 
  private:
+  static constexpr std::size_t kBlock = 16;  // of nodes
   const ColumnMesh& mesh_;
+  std::vector<VertexIndex> first_of_block_;
 };
 
 /// Corners of the uppermost cell of triangle t's stack: the last column to reach its end has it.
@@ -51,12 +61,20 @@ struct UpperFaces {
   std::vector<UpperFace> sides;  ///< likewise.
 };
 
-/// Time and memory linear in the upper part: 160 bytes per cell, or 32 without the inner faces.
+/// Time and memory linear in the upper part: 112 bytes per cell, or little without the inner faces.
 UpperFaces upper_faces(const ColumnMesh& mesh, bool with_inner = true);
 
-/// The same faces one by one, by their highest node, without keeping them: 32 bytes per cell.
-void visit_upper_faces(const ColumnMesh& mesh,
-                       const std::function<void(const UpperFaces::Inner&)>& inner,
-                       const std::function<void(const UpperFace&, bool is_top)>& outer);
+/// Calls visit(chunk, faces) for the faces between two cells, each once, some of them at a time and
+/// perhaps at the same time; what is in which chunk does not depend on threads. Takes 8 bytes per
+/// cell. Precondition: fewer than 2^31 cells.
+void visit_inner_faces(
+    const ColumnMesh& mesh,
+    const std::function<void(std::size_t, std::span<const UpperFaces::Inner>)>& visit);
+/// Chunks are below this.
+std::size_t inner_face_chunks(const ColumnMesh& mesh);
+
+/// Calls visit(face, is_top) for those on the domain's boundary. Quick, for it looks at no others.
+void visit_outer_faces(const ColumnMesh& mesh,
+                       const std::function<void(const UpperFace&, bool)>& visit);
 
 }  // namespace tetropolis

@@ -2,11 +2,18 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "tetropolis/volume/quality/face_quality.h"
 
 #include "cells_of.h"
+#include "core/parallel.h"
+#include "core/units.h"
 #include "tet_cosines.h"
 #include "volume/column/upper_faces.h"
 
@@ -14,63 +21,171 @@ namespace tetropolis {
 
 namespace {
 
-void add_cells(const std::vector<std::array<Point3, 4>>& cells, std::size_t worst,
-               MeshQuality& all) {
-  CellQuality& quality = all.cells;
-  FaultCounts& faults = all.faults;
+/// Far beyond the rounding of cosines and squares.
+constexpr double kMargin = 1e-9;
+
+using Corners = std::array<Point3, 4>;
+
+/// The worst cells, worst first; of those as bad, the first.
+class WorstCells {
+ public:
+  explicit WorstCells(std::size_t most) : most_(most) {}
+  /// Whether a cell with these angles may be one of them.
+  bool may_take(const TetCosines& shape) const {
+    return most_ > 0 && (shape.greatest > least_ || shape.least < greatest_);
+  }
+  void add(WorstCell cell) {
+    const auto worse = [](const WorstCell& a, const WorstCell& b) {
+      return a.share_of_floor < b.share_of_floor;
+    };
+    if (most_ == 0 || (cells_.size() == most_ && !worse(cell, cells_.back()))) return;
+    cells_.insert(std::upper_bound(cells_.begin(), cells_.end(), cell, worse), std::move(cell));
+    if (cells_.size() > most_) cells_.pop_back();
+    if (cells_.size() < most_) return;
+    const AngleBounds bounds = angles_at(cells_.back().share_of_floor);
+    least_ = std::cos(to_radians(bounds.least)) - kMargin;
+    greatest_ = std::cos(to_radians(bounds.greatest)) + kMargin;
+  }
+  const std::vector<WorstCell>& cells() const { return cells_; }
+
+ private:
+  std::size_t most_;
+  double least_ = -1 - kMargin, greatest_ = 1 + kMargin;  // cosines that others are beyond
+  std::vector<WorstCell> cells_;
+};
+
+/// What some cells add to the figures.
+struct CellSums {
+  QualityHistogram histogram;
+  FaultCounts faults;
+  std::vector<WorstCell> worst;
+  std::vector<double> volumes;  // per block
+};
+
+/// Degrees that are good by all that is asked.
+AngleBounds good_by_all() {
+  AngleBounds good{kLeastOfMost, 180};
+  for (const AngleBounds& bounds : kAskedBounds)
+    good = {std::max(good.least, bounds.least), std::min(good.greatest, bounds.greatest)};
+  return good;
+}
+
+void add_cells(std::span<const Corners> cells, WorstCells& worst, CellSums& sums) {
+  static const double good_least = std::cos(to_radians(good_by_all().least)) - kMargin;
+  static const double good_greatest = std::cos(to_radians(good_by_all().greatest)) + kMargin;
+  FaultCounts& faults = sums.faults;
   faults.cells += static_cast<std::int64_t>(cells.size());
   std::vector<double> greatest, aspect2;
   std::int64_t inverted = 0;
   double volume = 0;
-  for (const auto& p : cells) {
+  for (const Corners& p : cells) {
     const TetCosines shape = tet_cosines(p[0], p[1], p[2], p[3]);
     greatest.push_back(shape.greatest);
     aspect2.push_back(shape.aspect_ratio * shape.aspect_ratio);
     inverted += shape.volume > 0 ? 0 : 1;
     volume += shape.volume;
-    quality.histogram.widen(shape.greatest, shape.least, shape.aspect_ratio);
+    sums.histogram.widen(shape.greatest, shape.least, shape.aspect_ratio);
+    const bool is_good = shape.greatest < good_least && shape.least > good_greatest;
+    if (is_good && !worst.may_take(shape)) continue;
     const double least_deg = angle_deg(shape.greatest), greatest_deg = angle_deg(shape.least);
     faults.thin += least_deg < kLeastOfMost ? 1 : 0;
     for (std::size_t i = 0; i < kAskedBounds.size(); ++i)
       faults.outside[i] +=
           least_deg < kAskedBounds[i].least || greatest_deg > kAskedBounds[i].greatest ? 1 : 0;
-    if (worst == 0) continue;
-    const WorstCell cell{share_of_floor(least_deg, greatest_deg),
-                         least_deg,
-                         greatest_deg,
-                         centre_of(p),
-                         kNoTriangle,
-                         "change of size"};
-    const auto worse = [](const WorstCell& a, const WorstCell& b) {
-      return a.share_of_floor < b.share_of_floor;
-    };
-    if (quality.worst.size() == worst && !worse(cell, quality.worst.back())) continue;
-    quality.worst.insert(std::upper_bound(quality.worst.begin(), quality.worst.end(), cell, worse),
-                         cell);
-    if (quality.worst.size() > worst) quality.worst.pop_back();
+    worst.add({share_of_floor(least_deg, greatest_deg), least_deg, greatest_deg, centre_of(p),
+               kNoTriangle, "change of size"});
   }
-  quality.histogram.add(greatest, aspect2, inverted);
-  quality.histogram.add_volume(volume);
+  sums.histogram.add(greatest, aspect2, inverted);
+  sums.volumes.push_back(volume);
 }
+
+/// Of faces. Exact where a face may be the worst, or is about as far from orthogonal as is allowed.
+class FaceSums {
+ public:
+  void add(const std::array<Point3, 3>& face, const Point3& c0, const Point3& c1) {
+    ++faces_.faces;
+    const Point3 n = cross(minus(face[1], face[0]), minus(face[2], face[0]));
+    const Point3 d = minus(c1, c0);
+    const double n_d = dot(n, d), dd = dot(d, d);
+    const Point3 centre = {(face[0][0] + face[1][0] + face[2][0]) / 3,
+                           (face[0][1] + face[1][1] + face[2][1]) / 3,
+                           (face[0][2] + face[1][2] + face[2][2]) / 3};
+    const Point3 to_centre = minus(centre, c0);
+    const double share = dot(n, to_centre) / n_d;
+    const Point3 skew = {to_centre[0] - share * d[0], to_centre[1] - share * d[1],
+                         to_centre[2] - share * d[2]};
+    const double ss = dot(skew, skew);
+    double q2 = 0.04 * dd * ss;  // of skewness, the squared denominator
+    for (const Point3& corner : face) {
+      const double q = dot(skew, minus(corner, centre));
+      q2 = std::max(q2, q * q);
+    }
+    if (n_d * n_d > straight2_ * (dot(n, n) * dd) && ss * ss < skewness2_ * q2) return;
+    const FaceShape shape = face_shape(face, c0, c1);
+    faces_.above_70 += shape.non_orthogonality_deg > kMostNonOrthogonal ? 1 : 0;
+    worsen({shape.non_orthogonality_deg, shape.skewness});
+  }
+  void add_boundary(const std::array<Point3, 3>& face, const Point3& centre) {
+    worsen({0, boundary_skewness(face, centre)});
+  }
+  void add(const FaceSums& other) {
+    faces_.faces += other.faces_.faces;
+    faces_.above_70 += other.faces_.above_70;
+    worsen(other.faces_.worst);
+  }
+  const FaceQuality& quality() const { return faces_; }
+
+ private:
+  void worsen(const FaceShape& shape) {
+    FaceShape& worst = faces_.worst;
+    worst.non_orthogonality_deg = std::max(worst.non_orthogonality_deg, shape.non_orthogonality_deg);
+    worst.skewness = std::max(worst.skewness, shape.skewness);
+    const double degrees = std::min(worst.non_orthogonality_deg, kMostNonOrthogonal);
+    straight2_ = std::pow(std::cos(to_radians(degrees)), 2) + kMargin;
+    skewness2_ = worst.skewness * worst.skewness * (1 - kMargin);
+  }
+  FaceQuality faces_;
+  double straight2_ = 2, skewness2_ = 0;
+};
 
 }  // namespace
 
 void add_upper_quality(const ColumnMesh& mesh, std::size_t worst, MeshQuality& quality) {
   const UpperNodes at(mesh);
-  const std::vector<CellIndex> offsets = cell_offsets(mesh);
-  const CellIndex first = offsets[mesh.triangle_count()];
+  const CellIndex first = cell_offsets(mesh)[mesh.triangle_count()];
   const auto corners = [&](std::size_t cell) {
     const auto& c = mesh.upper.cells[cell];
-    return std::array<Point3, 4>{at[c[0]], at[c[1]], at[c[2]], at[c[3]]};
+    return Corners{at[c[0]], at[c[1]], at[c[2]], at[c[3]]};
   };
+  const std::size_t cells = mesh.upper.cells.size();
   constexpr std::size_t kBlock = 16384;
-  std::vector<std::array<Point3, 4>> block;
-  for (std::size_t begin = 0; begin < mesh.upper.cells.size(); begin += kBlock) {
-    block.clear();
-    const std::size_t end = std::min(begin + kBlock, mesh.upper.cells.size());
-    for (std::size_t c = begin; c < end; ++c) block.push_back(corners(c));
-    add_cells(block, worst, quality);
+  const std::size_t blocks = (cells + kBlock - 1) / kBlock;
+  const std::size_t grain = grain_of_chunks(blocks, 16);  // each has a histogram
+  std::vector<CellSums> sums((blocks + grain - 1) / grain);
+  parallel_chunks(blocks, grain, [&](std::size_t block, std::size_t end) {
+    CellSums& own = sums[block / grain];
+    WorstCells own_worst(worst);
+    std::vector<Corners> here;
+    for (; block < end; ++block) {
+      here.clear();
+      for (std::size_t c = block * kBlock; c < std::min((block + 1) * kBlock, cells); ++c)
+        here.push_back(corners(c));
+      add_cells(here, own_worst, own);
+    }
+    own.worst = own_worst.cells();
+  });
+  WorstCells all(worst);
+  for (const WorstCell& cell : quality.cells.worst) all.add(cell);
+  for (const CellSums& part : sums) {
+    quality.cells.histogram.merge(part.histogram);
+    for (const double volume : part.volumes) quality.cells.histogram.add_volume(volume);
+    quality.faults.cells += part.faults.cells;
+    quality.faults.thin += part.faults.thin;
+    for (std::size_t i = 0; i < kAskedBounds.size(); ++i)
+      quality.faults.outside[i] += part.faults.outside[i];
+    for (const WorstCell& cell : part.worst) all.add(cell);
   }
+  quality.cells.worst = all.cells();
 
   const auto centre = [&](CellIndex c) {
     return centre_of(corners(static_cast<std::size_t>(c - first)));
@@ -78,30 +193,28 @@ void add_upper_quality(const ColumnMesh& mesh, std::size_t worst, MeshQuality& q
   const auto points = [&](const std::array<NodeIndex, 3>& n) {
     return std::array<Point3, 3>{at[n[0]], at[n[1]], at[n[2]]};
   };
-  FaceQuality& faces = quality.faces;
-  const auto add = [&](const std::array<NodeIndex, 3>& nodes, const Point3& c0, const Point3& c1) {
-    const FaceShape shape = face_shape(points(nodes), c0, c1);
-    ++faces.faces;
-    faces.above_70 += shape.non_orthogonality_deg > kMostNonOrthogonal ? 1 : 0;
-    faces.worst.non_orthogonality_deg =
-        std::max(faces.worst.non_orthogonality_deg, shape.non_orthogonality_deg);
-    faces.worst.skewness = std::max(faces.worst.skewness, shape.skewness);
-  };
-  visit_upper_faces(
-      mesh,
-      [&](const UpperFaces::Inner& face) {
-        add(face.nodes, centre(face.cell), centre(face.neighbour));
-      },
-      [&](const UpperFace& face, bool) {
-        faces.worst.skewness = std::max(faces.worst.skewness,
-                                        boundary_skewness(points(face.nodes), centre(face.cell)));
-      });
+  std::vector<FaceSums> parts(inner_face_chunks(mesh));
+  visit_inner_faces(mesh, [&](std::size_t chunk, std::span<const UpperFaces::Inner> inner) {
+    for (const UpperFaces::Inner& face : inner)
+      parts[chunk].add(points(face.nodes), centre(face.cell), centre(face.neighbour));
+  });
+  FaceSums faces;
+  for (const FaceSums& part : parts) faces.add(part);
+  visit_outer_faces(mesh, [&](const UpperFace& face, bool) {
+    faces.add_boundary(points(face.nodes), centre(face.cell));
+  });
   for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     if (!mesh.is_covered(t)) continue;
     const auto& v = mesh.ground.triangles[t];
-    add({mesh.top(v[0]), mesh.top(v[1]), mesh.top(v[2])}, centre_of(uppermost_cell(mesh, t)),
-        centre(mesh.upper.over_lid[t]));
+    faces.add(points({mesh.top(v[0]), mesh.top(v[1]), mesh.top(v[2])}),
+              centre_of(uppermost_cell(mesh, t)), centre(mesh.upper.over_lid[t]));
   }
+  FaceQuality& result = quality.faces;
+  result.faces += faces.quality().faces;
+  result.above_70 += faces.quality().above_70;
+  result.worst = {std::max(result.worst.non_orthogonality_deg,
+                           faces.quality().worst.non_orthogonality_deg),
+                  std::max(result.worst.skewness, faces.quality().worst.skewness)};
 }
 
 }  // namespace tetropolis

@@ -1,6 +1,8 @@
 // From the lid over a city to the flat top of its domain, with fewer and fewer columns.
 #pragma once
 
+#include <cstddef>
+
 #include "tetropolis/volume/column/column_mesh.h"
 
 namespace tetropolis {
@@ -14,8 +16,9 @@ namespace tetropolis {
 ///
 /// Cells keep to kGoodAngles and to kMostNonOrthogonal wherever there is a way to; a column ends
 /// only where they do. What happens at a place depends on its surroundings only. Takes time N log
-/// N; the same bits on every machine. Precondition: `mesh` is valid and has no upper part; its
-/// columns end below `top` or at it.
-UpperMesh grow_upper(const ColumnMesh& mesh, double top);
+/// N, and while it runs 25 bytes per cell besides the result; the same bits on every machine, for
+/// any number of threads and of strips that these are given (front.h; 0: as are useful).
+/// Precondition: `mesh` is valid and has no upper part; its columns end below `top` or at it.
+UpperMesh grow_upper(const ColumnMesh& mesh, double top, std::size_t strips = 0);
 
 }  // namespace tetropolis

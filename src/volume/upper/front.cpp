@@ -1,0 +1,527 @@
+#include "front.h"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <queue>
+#include <tuple>
+#include <utility>
+
+#include "tetropolis/core/threads.h"
+#include "tetropolis/volume/quality/cell_quality.h"
+#include "tetropolis/volume/quality/face_quality.h"
+
+#include "core/infinity.h"
+#include "core/parallel.h"
+#include "core/units.h"
+#include "volume/column/fill_columns.h"
+#include "volume/column/upper_faces.h"
+#include "volume/quality/tet_cosines.h"
+
+namespace tetropolis {
+
+namespace {
+
+// Found by trial, by the least angles and the numbers of cells: of Delft and of the survey's cities
+// (scripts/survey).
+
+/// Edges may become longer by so much for every metre above the lid.
+constexpr double kGrowth = 0.35;
+
+/// Share of that length that edges at a column have at most when it ends: the new ones are longer.
+constexpr double kShortEnough = 0.7;
+
+/// A column that is to end waits for its neighbours to climb: as if its next segment had its
+/// midpoint so many spacings above.
+constexpr double kWait = 0.9;
+
+/// What cells (share_of) and faces are to be like where a column ends of its own accord.
+constexpr double kGoodEnd = 1.5, kGoodEndFaces = 1.1;
+
+/// And where one rises: otherwise it ends if that is better.
+constexpr double kGoodRise = 1.4;
+
+/// Least angles of triangles that cover the hole of a column, degrees: if it ends of its own accord
+/// or as it cannot rise well.
+constexpr double kLeastAngle = 22, kLeastAngleOfNeed = 15;
+
+/// Lengths of segments that are tried, in spacings, the best guess first.
+constexpr std::array kLengths{1.0, 1.2, 0.85, 1.5, 0.7, 0.6, 1.75, 0.5, 0.4};
+constexpr double kLongest = 1.75;
+
+/// More neighbours than this are not looked at in search of a cover.
+constexpr std::size_t kMostNeighbours = 12;
+
+/// Columns that a strip is to be wide, about.
+constexpr double kColumnsAcross = 80;
+
+/// The worst of some cells and faces.
+class Worst {
+ public:
+  void add(const Point3& a, const Point3& b, const Point3& c, const Point3& d) {
+    const TetCosines shape = tet_cosines(a, b, c, d);
+    least_ = std::min(least_, shape.volume > 0 ? 1 - shape.greatest : 0);
+    greatest_ = std::min(greatest_, 1 + shape.least);
+  }
+  /// Between cells with these centres.
+  void add_face(const std::array<Point3, 3>& face, const Point3& c0, const Point3& c1) {
+    const Point3 n = cross(minus(face[1], face[0]), minus(face[2], face[0]));
+    const Point3 d = minus(c1, c0);
+    straight_ = std::min(straight_, std::abs(dot(n, d)) / std::sqrt(dot(n, n) * dot(d, d)));
+  }
+  /// About the least angle over kLeastOfMost, or 180 degrees less the greatest over what the floor
+  /// leaves, or the cosine of non-orthogonality over that of kMostNonOrthogonal, whichever is less.
+  double share() const {
+    static const double few = versine(kLeastOfMost), flat = versine(180 - kQualityFloor.greatest);
+    // Of flat cells the rounded figures may be negative.
+    const double angles = std::sqrt(std::max(0.0, std::min(least_ / few, greatest_ / flat)));
+    return std::min(angles, straight_ / straight());
+  }
+  bool is_below_floor() const {
+    static const double least = versine(kQualityFloor.least);
+    static const double flat = versine(180 - kQualityFloor.greatest);
+    return least_ < least || greatest_ < flat || straight_ < straight();
+  }
+
+ private:
+  static double versine(double degrees) { return 1 - std::cos(to_radians(degrees)); }
+  static double straight() {
+    static const double cosine = std::cos(to_radians(kMostNonOrthogonal));
+    return cosine;
+  }
+  double least_ = 2, greatest_ = 2;  // 1 - cosine of the least angle, 1 + cosine of the greatest
+  double straight_ = 1;              // cosine of the greatest non-orthogonality
+};
+
+using Piece = std::int32_t;  // a triangle of the front
+
+struct FrontTriangle {
+  std::array<VertexIndex, 3> corners;
+  std::int32_t nth;     // of those that its step made
+  VertexIndex made_by;  // With `order`, as in FrontStep, which step that was;
+  double order;         // -infinity: it is on the lid.
+  Point3 centre;        // of the cell below
+
+  bool is_older(const FrontTriangle& other) const {
+    return std::tie(order, made_by, nth) < std::tie(other.order, other.made_by, other.nth);
+  }
+};
+
+struct FrontColumn {
+  Point3 at{};                  // the front's node
+  double lid = 0, edge = 0;     // elevation of the lid, longest edge on it
+  double due = kInfinity;       // its key when it was put into the queue; infinity: done
+  double order = -kInfinity;    // as in FrontStep
+  double spacing = 0;           // In the front as it is,
+  double longest = -1;          // as is the longest edge; negative: to be found anew.
+  std::int32_t strip = 0, held = 0;  // The phase in which it, or one around it, is left for later.
+  bool stays = false;           // at the rim
+};
+
+/// The front.
+struct Front {
+  Front(const ColumnMesh& mesh, double top_, std::span<const double> shares_);
+
+  double top;
+  std::span<const double> shares;
+  std::vector<FrontColumn> columns;          // per vertex
+  std::vector<FrontTriangle> triangles;      // by triangle of the ground mesh
+  std::vector<std::vector<Piece>> around;  // per vertex, oldest first; none where it has ended
+};
+
+Front::Front(const ColumnMesh& mesh, double top_, std::span<const double> shares_)
+    : top(top_),
+      shares(shares_),
+      columns(mesh.vertex_count()),
+      triangles(mesh.triangle_count()),
+      around(mesh.vertex_count()) {
+  for (const VertexIndex v : mesh.ground.vertices.indices()) {
+    columns[v].at = position(mesh, v, mesh.top(v));
+    columns[v].lid = columns[v].at[2];
+  }
+  for (const EdgeIndex e : mesh.edges.vertices.indices()) {
+    const auto [a, b] = mesh.edges.vertices[e];
+    const Point2 p = mesh.ground.vertices[a], q = mesh.ground.vertices[b];
+    const double length = std::hypot(q.x - p.x, q.y - p.y);
+    for (const VertexIndex v : {a, b}) {
+      columns[v].edge = std::max(columns[v].edge, length);
+      if (mesh.edges.triangles[e][1] == kNoTriangle) columns[v].stays = true;
+    }
+  }
+  for (const TriangleIndex t : mesh.ground.triangles.indices()) {
+    const auto& v = mesh.ground.triangles[t];
+    for (const VertexIndex u : v) around[u].push_back(t.value());
+    triangles[t] = {v, t.value(), VertexIndex(0), -kInfinity, centre_of(uppermost_cell(mesh, t))};
+  }
+}
+
+/// Has columns of one strip climb.
+class Climber {
+ public:
+  Climber(Front& front, FrontSteps& done) : front_(front), done_(done) {}
+
+  /// When the column is due for the first time.
+  void set_due(VertexIndex v);
+  /// In the phase, from 1 on, in which the columns of the strip are these.
+  void climb(std::span<const VertexIndex> columns, std::int32_t strip, std::int32_t phase);
+
+ private:
+  /// A triangle around a vertex, from which it is to the left of the edge from `vertex` to `next`.
+  struct Spoke {
+    VertexIndex vertex, next;
+    Piece piece;
+  };
+  FrontColumn& column(VertexIndex v) { return front_.columns[v]; }
+  const FrontColumn& column(VertexIndex v) const { return front_.columns[v]; }
+  FrontTriangle& triangle(const Spoke& spoke) {
+    return front_.triangles[static_cast<std::size_t>(spoke.piece)];
+  }
+  const FrontTriangle& triangle(const Spoke& spoke) const {
+    return front_.triangles[static_cast<std::size_t>(spoke.piece)];
+  }
+  const Point3& at(VertexIndex v) const { return column(v).at; }
+
+  template <typename Visit>
+  void for_each_around(const Visit& visit) const {
+    for (const Spoke& spoke : star_) visit(spoke.vertex);
+    if (star_.back().next != star_.front().vertex) visit(star_.back().next);
+  }
+  void find_star(VertexIndex v);
+  void measure_star(VertexIndex v);
+  double key(VertexIndex v) const;
+  bool may_end(VertexIndex v) const {
+    return !column(v).stays && star_.size() <= kMostNeighbours;
+  }
+  /// That it may have now.
+  double longest_edge(VertexIndex v) const {
+    return column(v).edge + kGrowth * (column(v).at[2] - column(v).lid);
+  }
+  bool wants_to_end(VertexIndex v) const {
+    return may_end(v) && column(v).longest < kShortEnough * longest_edge(v);
+  }
+  std::pair<double, double> best_rise(VertexIndex v) const;
+  Worst worst_of_rise(VertexIndex v, double to, double least_share) const;
+  void rise(VertexIndex v, double to);
+  bool end(VertexIndex v, double least_share, double least_angle);
+
+  Front& front_;
+  FrontSteps& done_;
+  std::vector<Spoke> star_;  // of the vertex that is looked at
+};
+
+/// The triangles around v, counter-clockwise.
+void Climber::find_star(VertexIndex v) {
+  star_.clear();
+  for (const Piece piece : front_.around[v]) {
+    const auto& c = front_.triangles[static_cast<std::size_t>(piece)].corners;
+    const std::size_t i = c[0] == v ? 0 : c[1] == v ? 1 : 2;
+    star_.push_back({c[(i + 1) % 3], c[(i + 2) % 3], piece});
+  }
+  // At the rim the first is the one that no other leads to.
+  for (std::size_t i = 0; column(v).stays && i < star_.size(); ++i) {
+    const auto leads = [&](const Spoke& spoke) { return spoke.next == star_[i].vertex; };
+    if (std::none_of(star_.begin(), star_.end(), leads)) {
+      std::swap(star_[0], star_[i]);
+      break;
+    }
+  }
+  for (std::size_t i = 1; i < star_.size(); ++i)
+    for (std::size_t j = i; j < star_.size(); ++j)
+      if (star_[j].vertex == star_[i - 1].next) {
+        std::swap(star_[i], star_[j]);
+        break;
+      }
+}
+
+/// Spacing as column_spacing() has it, in the front, and longest edge. Precondition: star_ is that
+/// of v.
+void Climber::measure_star(VertexIndex v) {
+  const Point3& o = at(v);
+  double longest2 = 0, altitude = kInfinity, longest = 0;
+  for (const Spoke& spoke : star_) {
+    const Point3 &p = at(spoke.vertex), &q = at(spoke.next);
+    const auto square = [](const Point3& a, const Point3& b) {
+      return (b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]);
+    };
+    const double op = square(o, p), oq = square(o, q), pq = square(p, q);
+    const double area = (p[0] - o[0]) * (q[1] - o[1]) - (p[1] - o[1]) * (q[0] - o[0]);
+    altitude = std::min(altitude, area / std::sqrt(std::max({op, oq, pq})));
+    longest2 = std::max({longest2, op, oq});
+    longest = std::max(longest, std::hypot(p[0] - o[0], p[1] - o[1]));
+  }
+  column(v).spacing = front_.shares[v] * spacing_over(altitude, longest2);
+  column(v).longest = longest;
+}
+
+/// Precondition: the star of v is found and measured.
+double Climber::key(VertexIndex v) const {
+  return column(v).at[2] + column(v).spacing * (wants_to_end(v) ? kWait : 0.5);
+}
+
+void Climber::set_due(VertexIndex v) {
+  if (!(at(v)[2] < front_.top) || front_.around[v].empty()) return;
+  find_star(v);
+  measure_star(v);
+  column(v).due = key(v);
+}
+
+/// Quality, and the elevation to rise to. Near the top the rest is divided evenly.
+std::pair<double, double> Climber::best_rise(VertexIndex v) const {
+  const double z = at(v)[2], wanted = column(v).spacing, left = front_.top - z;
+  std::pair<double, double> best{0, front_.top};
+  for (const double share : kLengths) {
+    double to = z + share * wanted;
+    if (left < 3 * share * wanted) {
+      const double least = std::ceil(left / (kLongest * wanted));
+      const double parts = std::max(least, std::round(left / (share * wanted)));
+      to = parts > 1 ? z + left / parts : front_.top;
+    }
+    best = std::max(best, {worst_of_rise(v, to, best.first).share(), to});
+    if (best.first >= kGoodRise) break;
+  }
+  return best;
+}
+
+/// Below `least_share` not the worst perhaps.
+Worst Climber::worst_of_rise(VertexIndex v, double to, double least_share) const {
+  Worst worst;
+  const Point3& p = at(v);
+  const Point3 up{p[0], p[1], to};
+  Point3 first{}, last{};
+  for (const Spoke& spoke : star_) {
+    const Point3 &a = at(spoke.vertex), &b = at(spoke.next);
+    worst.add(p, a, b, up);
+    const Point3 centre = centre_of({p, a, b, up});
+    worst.add_face({p, a, b}, triangle(spoke).centre, centre);
+    if (&spoke == &star_.front())
+      first = centre;
+    else
+      worst.add_face({p, a, up}, last, centre);
+    if (least_share > 0 && worst.share() < least_share) return worst;
+    last = centre;
+  }
+  if (star_.back().next == star_.front().vertex)
+    worst.add_face({p, at(star_.front().vertex), up}, last, first);
+  return worst;
+}
+
+void Climber::rise(VertexIndex v, double to) {
+  FrontColumn& own = column(v);
+  done_.steps.push_back(
+      {own.order, to, v, static_cast<std::int32_t>(star_.size()), done_.numbers.size()});
+  for (const Spoke& spoke : star_) done_.numbers.push_back(spoke.vertex.value());
+  done_.numbers.push_back(star_.back().next.value());
+  const Point3 up{own.at[0], own.at[1], to};
+  for (const Spoke& spoke : star_) {
+    done_.numbers.push_back(spoke.piece);
+    triangle(spoke).centre = centre_of({own.at, at(spoke.vertex), at(spoke.next), up});
+  }
+  own.at = up;
+}
+
+/// Whether all angles of the triangle are above the one with this tangent, in plan.
+bool is_wide(const Point3& a, const Point3& b, const Point3& c, double tangent) {
+  const std::array<const Point3*, 3> p{&a, &b, &c};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Point3 &o = *p[i], &q = *p[(i + 1) % 3], &r = *p[(i + 2) % 3];
+    const double along = (q[0] - o[0]) * (r[0] - o[0]) + (q[1] - o[1]) * (r[1] - o[1]);
+    const double across = (q[0] - o[0]) * (r[1] - o[1]) - (q[1] - o[1]) * (r[0] - o[0]);
+    if (!(across > 0 && across > tangent * along)) return false;
+  }
+  return true;
+}
+
+/// Covers the hole that v leaves, by triangles whose worst cell is as good as can be. Returns
+/// false, with all as it was, if that is not better than `least_share`.
+bool Climber::end(VertexIndex v, double least_share, double least_angle) {
+  constexpr std::size_t kMost = kMostNeighbours;
+  const std::size_t n = star_.size();
+  const Point3 o = at(v);
+  std::array<Point3, kMost> ring;
+  const double longest = longest_edge(v), tangent = std::tan(to_radians(least_angle));
+  for (std::size_t i = 0; i < n; ++i) ring[i] = at(star_[i].vertex);
+  std::array<double, kMost * kMost> best;
+  best.fill(kInfinity);
+  std::array<std::size_t, kMost * kMost> split{};
+  for (std::size_t span = 2; span < n; ++span)
+    for (std::size_t i = 0; i + span < n; ++i) {
+      const std::size_t j = i + span;
+      double most = least_share;  // What is not better does not help.
+      for (std::size_t k = i + 1; k < j; ++k) {
+        double q = std::min(best[i * n + k], best[k * n + j]);
+        if (!(q > most)) continue;
+        const Point3 &a = ring[i], &b = ring[k], &c = ring[j];
+        if (!is_wide(a, b, c, tangent)) continue;
+        const bool is_new = i > 0 || j + 1 < n;
+        if (is_new && std::hypot(a[0] - c[0], a[1] - c[1]) > longest) continue;
+        Worst cell;  // under the triangle
+        cell.add(o, a, b, c);
+        q = std::min(q, cell.share());
+        if (q > most) {
+          most = q;
+          split[i * n + j] = k;
+        }
+      }
+      best[i * n + j] = most;
+    }
+  if (!(best[n - 1] > least_share)) return false;
+  struct Cap {
+    std::array<std::size_t, 3> ring;
+    Point3 centre;
+  };
+  std::vector<Cap> caps;
+  std::array<std::int32_t, kMost> over{};  // per spoke: the cap over its triangle
+  // Of each chord i - j, the cap on its far side.
+  Worst worst;
+  const auto visit = [&](const auto& self, std::size_t i, std::size_t j) -> std::ptrdiff_t {
+    if (j == i + 1) return -1;
+    const std::size_t k = split[i * n + j];
+    const Point3 centre = centre_of({o, ring[i], ring[k], ring[j]});
+    std::array<std::ptrdiff_t, 2> behind{self(self, i, k), self(self, k, j)};
+    for (std::size_t side = 0; side < 2; ++side) {
+      const std::size_t a = side == 0 ? i : k, b = side == 0 ? k : j;
+      const Point3 other = behind[side] < 0 ? triangle(star_[a]).centre
+                                            : caps[static_cast<std::size_t>(behind[side])].centre;
+      if (behind[side] < 0) over[a] = static_cast<std::int32_t>(caps.size());
+      worst.add_face({o, ring[a], ring[b]}, other, centre);
+    }
+    caps.push_back({{i, k, j}, centre});
+    return static_cast<std::ptrdiff_t>(caps.size()) - 1;
+  };
+  visit(visit, 0, n - 1);
+  worst.add_face({o, ring[n - 1], ring[0]}, triangle(star_[n - 1]).centre, caps.back().centre);
+  if (!(worst.share() > std::min(kGoodEndFaces, least_share))) return false;
+  over[n - 1] = static_cast<std::int32_t>(caps.size()) - 1;
+
+  const double order = column(v).order;
+  done_.steps.push_back({order, std::numeric_limits<double>::quiet_NaN(), v,
+                         static_cast<std::int32_t>(n), done_.numbers.size()});
+  for (const Spoke& spoke : star_) {
+    column(spoke.vertex).longest = -1;
+    for (const VertexIndex u : {spoke.vertex, spoke.next})
+      std::erase(front_.around[u], spoke.piece);
+  }
+  for (std::size_t i = 0; i < caps.size(); ++i) {
+    const Piece piece = star_[i].piece;  // there are two more of them
+    FrontTriangle& cap = triangle(star_[i]);
+    cap = {{}, static_cast<std::int32_t>(i), v, order, caps[i].centre};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const VertexIndex corner = star_[caps[i].ring[c]].vertex;
+      cap.corners[c] = corner;
+      done_.numbers.push_back(corner.value());
+      // Younger ones may be there already: others, as far away, have gone before their turn.
+      auto& around = front_.around[corner];
+      auto place = around.end();
+      while (place != around.begin() &&
+             cap.is_older(front_.triangles[static_cast<std::size_t>(*(place - 1))]))
+        --place;
+      around.insert(place, piece);
+    }
+  }
+  for (const Spoke& spoke : star_) done_.numbers.push_back(spoke.piece);
+  for (std::size_t i = 0; i < n; ++i) done_.numbers.push_back(over[i]);
+  front_.around[v].clear();
+  return true;
+}
+
+void Climber::climb(std::span<const VertexIndex> columns, std::int32_t strip, std::int32_t phase) {
+  using Entry = std::pair<double, VertexIndex>;
+  std::vector<Entry> entries;
+  for (const VertexIndex v : columns) entries.emplace_back(column(v).due, v);
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue(std::greater<>{},
+                                                                       std::move(entries));
+  while (!queue.empty()) {
+    const VertexIndex v = queue.top().second;
+    queue.pop();
+    FrontColumn& own = column(v);
+    find_star(v);
+    bool waits = false;  // Those that are held are due before.
+    for_each_around([&](VertexIndex u) {
+      waits = waits || column(u).strip != strip || column(u).held == phase;
+    });
+    if (waits) {
+      own.held = phase;
+      continue;
+    }
+    own.order = std::max(own.order, own.due);
+    if (own.longest < 0) measure_star(v);
+    if (const double now = key(v); now > own.due) {
+      own.due = now;
+      queue.emplace(now, v);
+      continue;
+    }
+    own.due = kInfinity;
+    if (wants_to_end(v) && end(v, kGoodEnd, kLeastAngle)) continue;
+    const auto [quality, to] = best_rise(v);
+    if (quality < kGoodRise && may_end(v) && end(v, quality, kLeastAngleOfNeed)) continue;
+    if (quality < 1 && worst_of_rise(v, to, 0).is_below_floor()) {
+      done_.poor.push_back(v);
+      for_each_around([&](VertexIndex u) { done_.poor.push_back(u); });
+    }
+    rise(v, to);
+    if (!(to < front_.top)) continue;
+    own.due = key(v);
+    queue.emplace(own.due, v);
+  }
+}
+
+/// Vertices by strips with as many each, across the longer side of their box. `shift`: the first
+/// and the last have half as many, and there is one more.
+std::vector<std::vector<VertexIndex>> divide(Front& front, std::size_t strips, bool shift) {
+  std::size_t axis = 0;
+  std::array<std::vector<double>, 2> along;
+  for (const FrontColumn& column : front.columns)
+    for (std::size_t i = 0; i < 2; ++i) along[i].push_back(column.at[i]);
+  for (auto& values : along) std::sort(values.begin(), values.end());
+  if (along[1].back() - along[1].front() > along[0].back() - along[0].front()) axis = 1;
+  const std::vector<double>& sorted = along[axis];
+  std::vector<double> seams;
+  for (std::size_t i = shift ? 0 : 1; i < strips; ++i)
+    seams.push_back(sorted[sorted.size() * (2 * i + (shift ? 1 : 0)) / (2 * strips)]);
+  std::vector<std::vector<VertexIndex>> result(seams.size() + 1);
+  for (const VertexIndex v : indices<VertexIndex>(front.columns.size())) {
+    FrontColumn& column = front.columns[v];
+    const auto seam = std::upper_bound(seams.begin(), seams.end(), column.at[axis]);
+    column.strip = static_cast<std::int32_t>(seam - seams.begin());
+    if (column.due < kInfinity) result[static_cast<std::size_t>(column.strip)].push_back(v);
+  }
+  return result;
+}
+
+}  // namespace
+
+std::size_t useful_strips(const ColumnMesh& mesh) {
+  // Across a strip there are to be many more columns than wait for those at a seam.
+  const double across = std::sqrt(static_cast<double>(mesh.vertex_count())) / kColumnsAcross;
+  const int threads = thread_count();
+  return static_cast<std::size_t>(std::clamp(across, 1.0, threads > 1 ? 2.0 * threads : 1.0));
+}
+
+std::vector<FrontSteps> climb_to_top(const ColumnMesh& mesh, double top,
+                                     std::span<const double> shares, std::size_t strips) {
+  Front front(mesh, top, shares);
+  parallel_chunks(front.columns.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    FrontSteps none;
+    Climber climber(front, none);
+    for (const VertexIndex v : indices<VertexIndex>(begin, end)) climber.set_due(v);
+  });
+  std::vector<FrontSteps> all;
+  std::int32_t phase = 0;
+  const auto climb = [&](std::size_t count, bool shift) {
+    const std::vector<std::vector<VertexIndex>> columns = divide(front, count, shift);
+    const std::size_t begin = all.size();
+    all.resize(begin + columns.size());
+    ++phase;
+    parallel_in_order(columns.size(), [&](std::size_t i) {
+      Climber(front, all[begin + i]).climb(columns[i], static_cast<std::int32_t>(i), phase);
+    });
+  };
+  if (strips > 1) {
+    climb(strips, false);
+    climb(strips, true);
+  }
+  climb(1, false);
+  return all;
+}
+
+}  // namespace tetropolis
