@@ -146,8 +146,7 @@ std::string crs_of_keys(const std::vector<Vlr>& vlrs) {
     const std::string name = fmt::format("EPSG:{}", code);
     const gdal::Srs srs = gdal::parse_srs(name);
     // Of a deprecated system, GDAL may return another one.
-    if (srs != nullptr && OSRIsProjected(srs.get()) != 0 &&
-        gdal::canonical_name(srs.get()) == name)
+    if (srs != nullptr && OSRIsProjected(srs.get()) != 0 && gdal::canonical_name(srs.get()) == name)
       return name;
   }
   TinyTiff tiff;

@@ -138,7 +138,8 @@ class FaceSums {
  private:
   void worsen(const FaceShape& shape) {
     FaceShape& worst = faces_.worst;
-    worst.non_orthogonality_deg = std::max(worst.non_orthogonality_deg, shape.non_orthogonality_deg);
+    worst.non_orthogonality_deg =
+        std::max(worst.non_orthogonality_deg, shape.non_orthogonality_deg);
     worst.skewness = std::max(worst.skewness, shape.skewness);
     const double degrees = std::min(worst.non_orthogonality_deg, kMostNonOrthogonal);
     straight2_ = std::pow(std::cos(to_radians(degrees)), 2) + kMargin;
@@ -212,9 +213,9 @@ void add_upper_quality(const ColumnMesh& mesh, std::size_t worst, MeshQuality& q
   FaceQuality& result = quality.faces;
   result.faces += faces.quality().faces;
   result.above_70 += faces.quality().above_70;
-  result.worst = {std::max(result.worst.non_orthogonality_deg,
-                           faces.quality().worst.non_orthogonality_deg),
-                  std::max(result.worst.skewness, faces.quality().worst.skewness)};
+  result.worst = {
+      std::max(result.worst.non_orthogonality_deg, faces.quality().worst.non_orthogonality_deg),
+      std::max(result.worst.skewness, faces.quality().worst.skewness)};
 }
 
 }  // namespace tetropolis

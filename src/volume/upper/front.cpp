@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <limits>
 #include <queue>
 #include <tuple>
 #include <utility>
@@ -108,14 +109,14 @@ struct FrontTriangle {
 };
 
 struct FrontColumn {
-  Point3 at{};                  // the front's node
-  double lid = 0, edge = 0;     // elevation of the lid, longest edge on it
-  double due = kInfinity;       // its key when it was put into the queue; infinity: done
-  double order = -kInfinity;    // as in FrontStep
-  double spacing = 0;           // In the front as it is,
-  double longest = -1;          // as is the longest edge; negative: to be found anew.
+  Point3 at{};                       // the front's node
+  double lid = 0, edge = 0;          // elevation of the lid, longest edge on it
+  double due = kInfinity;            // its key when it was put into the queue; infinity: done
+  double order = -kInfinity;         // as in FrontStep
+  double spacing = 0;                // In the front as it is,
+  double longest = -1;               // as is the longest edge; negative: to be found anew.
   std::int32_t strip = 0, held = 0;  // The phase in which it, or one around it, is left for later.
-  bool stays = false;           // at the rim
+  bool stays = false;                // at the rim
 };
 
 /// The front.
@@ -124,8 +125,8 @@ struct Front {
 
   double top;
   std::span<const double> shares;
-  std::vector<FrontColumn> columns;          // per vertex
-  std::vector<FrontTriangle> triangles;      // by triangle of the ground mesh
+  std::vector<FrontColumn> columns;        // per vertex
+  std::vector<FrontTriangle> triangles;    // by triangle of the ground mesh
   std::vector<std::vector<Piece>> around;  // per vertex, oldest first; none where it has ended
 };
 
@@ -189,9 +190,7 @@ class Climber {
   void find_star(VertexIndex v);
   void measure_star(VertexIndex v);
   double key(VertexIndex v) const;
-  bool may_end(VertexIndex v) const {
-    return !column(v).stays && star_.size() <= kMostNeighbours;
-  }
+  bool may_end(VertexIndex v) const { return !column(v).stays && star_.size() <= kMostNeighbours; }
   /// That it may have now.
   double longest_edge(VertexIndex v) const {
     return column(v).edge + kGrowth * (column(v).at[2] - column(v).lid);

@@ -1,6 +1,5 @@
 #include "grow_upper.h"
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>

@@ -220,10 +220,9 @@ TEST(GrowUpper, IsTheSameForAnyNumberOfStrips) {
     SCOPED_TRACE(name);
     ColumnMesh mesh = grown(terrain, 4).mesh;
     const UpperMesh one = std::exchange(mesh.upper, {});
-    const double top = (*std::max_element(one.points.begin(), one.points.end(),
-                                          [](const Point3& a, const Point3& b) {
-                                            return a[2] < b[2];
-                                          }))[2];
+    const double top =
+        (*std::max_element(one.points.begin(), one.points.end(),
+                           [](const Point3& a, const Point3& b) { return a[2] < b[2]; }))[2];
     for (const std::size_t strips : {1, 2, 3, 7}) {
       const UpperMesh several = grow_upper(mesh, top, strips);
       EXPECT_EQ(several.points, one.points);
