@@ -76,8 +76,8 @@ void visit_inner_faces(
   const CellIndex first = CellIndex(cell_offsets(mesh)[mesh.triangle_count()]);
   const UpperNodes at(mesh);
   // A face is looked for over the vertex below its highest node: three of a cell at that of the
-  // cell's highest node, and the one without it at that of the second. So what is looked at together
-  // is near.
+  // cell's highest node, and the one without it at that of the second. So what is looked at
+  // together is near.
   const auto two_highest = [](const Cell& cell) {
     NodeIndex highest = std::max(cell[0], cell[1]), second = std::min(cell[0], cell[1]);
     for (const NodeIndex n : {cell[2], cell[3]}) {

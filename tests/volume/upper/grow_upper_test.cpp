@@ -161,7 +161,9 @@ TEST(GrowUpper, QualityIsThatOfAllCellsAndFaces) {
   std::int64_t count = 0;
   double worst = 0, skewness = 0;
   const std::map<Nodes, std::int64_t> all = faces_of(lists);
-  for (const auto& [nodes, cell] : all) {
+  for (const auto& face : all) {
+    const Nodes& nodes = face.first;
+    const std::int64_t cell = face.second;
     const auto p = [&](std::size_t i) { return lists.points[static_cast<std::size_t>(nodes[i])]; };
     const auto opposite = all.find(turned({nodes[0], nodes[2], nodes[1]}));
     const Point3& centre = centres[static_cast<std::size_t>(cell)];
