@@ -32,10 +32,10 @@ void tell(const CaseArguments& arguments, const OpenfoamCase& made, Console& con
                   made.first_cell, made.samples, options.sample_height, made.sample_spacing));
   if (made.shallow > 0)
     console.line(fmt::format(
-        "note     {} of {} cells on the ground are lower than 4 times its roughness: the wind near "
+        "note     {} of {} cells on the ground are lower than {} times its roughness: the wind near "
         "the ground comes out too fast; raise --mesh-size, or give the ground among the buildings "
         "its own --ground-roughness",
-        made.shallow, made.ground_faces));
+        made.shallow, made.ground_faces, kRoughnessLengths));
   if (made.ground_faces > 0 && 2 * made.first_cell > options.sample_height)
     console.line(fmt::format(
         "note     {} m above the ground is in the first two cells, where the wall function rules: "

@@ -143,10 +143,11 @@ std::filesystem::path boundary_beside(const std::filesystem::path& volume) {
 struct Saving {
   Placement placement;
   Compression compression = Compression::kNone;
+  bool building_patches = false;
 };
 
 Saving saving_of(const CityMesh& mesh, const Config& config) {
-  Saving saving{mesh.placement, config.compression};
+  Saving saving{mesh.placement, config.compression, config.building_patches};
   if (config.coordinates == tetropolis::Coordinates::kAbsolute)
     saving.placement = {mesh.placement.origin, {0, 0, 0}};
   return saving;
@@ -175,6 +176,10 @@ bool save_volume(const Mesh& mesh, const std::filesystem::path& path, const Savi
                  const Progress& progress) {
   const std::string format = format_of(path);
   const SurfaceMesh& boundary = mesh.mesh().boundary;
+  const SurfaceMesh by_building = saving.building_patches
+                                      ? divide_by_building(boundary, mesh.made.city.buildings)
+                                      : SurfaceMesh{};
+  const SurfaceMesh& patches = saving.building_patches ? by_building : boundary;
   if (format == "vtu")
     write_vtu(path, mesh.volume(), saving.placement, progress, saving.compression,
               mesh.made.city.buildings);
@@ -182,19 +187,19 @@ bool save_volume(const Mesh& mesh, const std::filesystem::path& path, const Savi
     write_xdmf(path, boundary_beside(path), mesh.volume(), boundary, saving.placement, progress,
                saving.compression);
   else if (format == "msh")
-    write_msh(path, mesh.volume(), boundary, saving.placement, progress);
+    write_msh(path, mesh.volume(), patches, saving.placement, progress);
   else if (format == "msh2")
-    write_msh2(path, mesh.volume(), boundary, saving.placement, progress);
+    write_msh2(path, mesh.volume(), patches, saving.placement, progress);
   else if (format == "vtkhdf")
     write_vtkhdf(path, mesh.volume(), saving.placement, progress);
   else if (format == "cgns")
-    write_cgns(path, mesh.volume(), boundary, saving.placement, progress);
+    write_cgns(path, mesh.volume(), patches, saving.placement, progress);
   else if (format == "fluent")
-    write_fluent(path, mesh.volume(), boundary, saving.placement, progress);
+    write_fluent(path, mesh.volume(), patches, saving.placement, progress);
   else if (format == "su2")
-    write_su2(path, mesh.volume(), boundary, saving.placement, progress);
+    write_su2(path, mesh.volume(), patches, saving.placement, progress);
   else if (format == "polymesh")
-    write_openfoam(path, mesh.volume(), boundary, saving.placement, progress);
+    write_openfoam(path, mesh.volume(), patches, saving.placement, progress);
   else
     return false;
   return true;

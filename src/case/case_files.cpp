@@ -45,7 +45,7 @@ void write_case_files(const fs::path& folder, const std::vector<CaseFile>& files
   fs::remove(folder / files.back().first, error);
   for (const auto& [name, text] : files) {
     fs::create_directories((folder / name).parent_path(), error);
-    write_file(folder / name, text);
+    write_file(folder / name, text());
   }
 }
 

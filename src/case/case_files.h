@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <utility>
@@ -18,7 +19,8 @@ std::string replaced(std::string text, const std::map<std::string, std::string>&
 void require_positive(const char* option, double value);
 void require_wind(const Wind& wind);
 
-using CaseFile = std::pair<std::string, std::string>;  ///< Name below the folder, text.
+/// Name below the folder, and what makes its text: fields are as large as meshes.
+using CaseFile = std::pair<std::string, std::function<std::string()>>;
 
 /// Writes the files, each complete or not at all. Throws Error(kUsage) for one that is there
 /// unless `overwrite`, before any is written; Error(kInput) if one cannot be written.

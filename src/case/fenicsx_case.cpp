@@ -139,8 +139,11 @@ void write_fenicsx_case(const fs::path& folder, const Wind& wind, bool overwrite
   const auto to = direction(wind);
   write_case_files(
       folder,
-      {{"smoke.py", replaced(kSmoke, {{"@X@", fmt::format("{:.6g}", wind.speed * to[0])},
-                                      {"@Y@", fmt::format("{:.6g}", wind.speed * to[1])}})}},
+      {{"smoke.py",
+        [&] {
+          return replaced(kSmoke, {{"@X@", fmt::format("{:.6g}", wind.speed * to[0])},
+                                   {"@Y@", fmt::format("{:.6g}", wind.speed * to[1])}});
+        }}},
       overwrite);
 }
 

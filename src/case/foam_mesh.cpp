@@ -14,6 +14,8 @@
 
 #include "tetropolis/core/error.h"
 
+#include "geometry/vec3.h"
+
 namespace tetropolis {
 
 namespace fs = std::filesystem;
@@ -42,9 +44,9 @@ class FoamFile {
   const std::string& header() const { return header_; }
   std::string_view rest() const { return std::string_view(text_).substr(at_); }
 
-  /// The next list: rows of `width` numbers.
-  template <typename Number>
-  std::vector<Number> list(std::size_t width) {
+  /// The next list.
+  template <typename Row>
+  std::vector<Row> list() {
     if (header_.find("label=32;scalar=64") == std::string::npos)
       fail(path_, "is not binary with 32-bit labels, as it was written");
     at_ = text_.find_first_of("0123456789", at_);
@@ -57,12 +59,12 @@ class FoamFile {
                 ? static_cast<std::size_t>(open - text_.data()) + 1
                 : std::string::npos;
     }
-    if (at_ == std::string::npos || rows > (text_.size() - at_) / (width * sizeof(Number)))
+    if (at_ == std::string::npos || rows > (text_.size() - at_) / sizeof(Row))
       fail(path_, "is cut or changed");
-    std::vector<Number> numbers(rows * width);
-    std::memcpy(numbers.data(), text_.data() + at_, numbers.size() * sizeof(Number));
-    at_ += numbers.size() * sizeof(Number);
-    return numbers;
+    std::vector<Row> list(rows);
+    if (rows > 0) std::memcpy(list.data(), text_.data() + at_, rows * sizeof(Row));
+    at_ += rows * sizeof(Row);
+    return list;
   }
 
  private:
@@ -128,26 +130,19 @@ void require_consistent(const fs::path& folder, const FoamMesh& mesh) {
 FaceGeometry face_geometry(const FoamMesh& mesh, std::size_t f) {
   const auto corners = mesh.face(f);
   const auto count = static_cast<double>(corners.size());
-  std::array<double, 3> mean{};
+  Point3 mean{};
   for (const std::int32_t p : corners)
     for (std::size_t c = 0; c < 3; ++c) mean[c] += mesh.point(p)[c] / count;
   FaceGeometry face;
   double weight = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const auto& a = mesh.point(corners[i]);
-    const auto& b = mesh.point(corners[(i + 1) % corners.size()]);
-    std::array<double, 3> u{}, v{};
-    for (std::size_t c = 0; c < 3; ++c) {
-      u[c] = b[c] - a[c];
-      v[c] = mean[c] - a[c];
-    }
-    const std::array<double, 3> area = {(u[1] * v[2] - u[2] * v[1]) / 2,
-                                        (u[2] * v[0] - u[0] * v[2]) / 2,
-                                        (u[0] * v[1] - u[1] * v[0]) / 2};
-    const double size = std::hypot(area[0], area[1], area[2]);
+    const Point3& a = mesh.point(corners[i]);
+    const Point3& b = mesh.point(corners[(i + 1) % corners.size()]);
+    const Point3 twice = cross(minus(b, a), minus(mean, a));
+    const double size = std::sqrt(dot(twice, twice)) / 2;
     weight += size;
     for (std::size_t c = 0; c < 3; ++c) {
-      face.area[c] += area[c];
+      face.area[c] += twice[c] / 2;
       face.centre[c] += size * (a[c] + b[c] + mean[c]) / 3;
     }
   }
@@ -160,16 +155,13 @@ FoamMesh read_foam_mesh(const fs::path& folder) {
   FoamMesh mesh;
   std::error_code error;
   if (!fs::is_directory(folder, error)) fail(folder, "is not there");
-  const std::vector<double> points = FoamFile(folder / "points").list<double>(3);
-  mesh.points.resize(points.size() / 3);
-  if (!points.empty())
-    std::memcpy(mesh.points.data(), points.data(), points.size() * sizeof(double));
+  mesh.points = FoamFile(folder / "points").list<Point3>();
   FoamFile faces(folder / "faces");
-  mesh.face_start = faces.list<std::int32_t>(1);
-  mesh.face_points = faces.list<std::int32_t>(1);
+  mesh.face_start = faces.list<std::int32_t>();
+  mesh.face_points = faces.list<std::int32_t>();
   if (mesh.face_start.empty()) fail(folder / "faces", "has no faces");
-  mesh.owner = FoamFile(folder / "owner").list<std::int32_t>(1);
-  mesh.neighbour = FoamFile(folder / "neighbour").list<std::int32_t>(1);
+  mesh.owner = FoamFile(folder / "owner").list<std::int32_t>();
+  mesh.neighbour = FoamFile(folder / "neighbour").list<std::int32_t>();
   if (!mesh.owner.empty())
     mesh.cell_count =
         static_cast<std::size_t>(*std::max_element(mesh.owner.begin(), mesh.owner.end())) + 1;

@@ -1,13 +1,14 @@
 // The mesh of an OpenFOAM case, as write_openfoam writes it, read back.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
+
+#include "tetropolis/geometry/types.h"
 
 namespace tetropolis {
 
@@ -23,7 +24,7 @@ struct FoamPatch {
 };
 
 struct FoamMesh {
-  std::vector<std::array<double, 3>> points;
+  std::vector<Point3> points;
   std::vector<std::int32_t> face_start;  ///< F + 1 offsets into face_points.
   std::vector<std::int32_t> face_points;
   std::vector<std::int32_t> owner;      ///< Per face.
@@ -37,7 +38,7 @@ struct FoamMesh {
         .subspan(static_cast<std::size_t>(face_start[f]),
                  static_cast<std::size_t>(face_start[f + 1] - face_start[f]));
   }
-  const std::array<double, 3>& point(std::int32_t p) const {
+  const Point3& point(std::int32_t p) const {
     return points[static_cast<std::size_t>(p)];
   }
   std::size_t cell_count = 0;
@@ -46,8 +47,8 @@ struct FoamMesh {
 /// Centre and area vector (leaves the owner) of a face: sums over triangles around the mean of its
 /// corners, as OpenFOAM has them.
 struct FaceGeometry {
-  std::array<double, 3> centre{};
-  std::array<double, 3> area{};
+  Point3 centre{};
+  Point3 area{};
 };
 FaceGeometry face_geometry(const FoamMesh& mesh, std::size_t f);
 

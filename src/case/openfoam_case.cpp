@@ -18,6 +18,7 @@
 
 #include "case_files.h"
 #include "foam_mesh.h"
+#include "geometry/vec3.h"
 #include "io/file/atomic_file.h"
 #include "openfoam_texts.h"
 #include "sample_points.h"
@@ -28,12 +29,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-using Vec3 = std::array<double, 3>;
+double length(const Point3& v) { return std::sqrt(dot(v, v)); }
 
 /// Wind that meets a side at less than that (a sine, half a degree) blows along it.
 constexpr double kAlong = 0.0087;
-/// Wall functions of rough walls need cells as high as that many roughness lengths at least.
-constexpr double kRoughnessLengths = 4;
 
 struct PlaceHash {
   std::size_t operator()(const std::pair<double, double>& place) const {
@@ -44,9 +43,9 @@ struct PlaceHash {
 
 /// Per point, the elevation of the lowest one over the same place: its ground, or the roof it
 /// stands on.
-std::vector<double> floors_below(const std::vector<Vec3>& points) {
+std::vector<double> floors_below(const std::vector<Point3>& points) {
   std::unordered_map<std::pair<double, double>, double, PlaceHash> lowest;
-  for (const Vec3& p : points) {
+  for (const Point3& p : points) {
     const auto [entry, is_new] = lowest.try_emplace({p[0], p[1]}, p[2]);
     if (!is_new) entry->second = std::min(entry->second, p[2]);
   }
@@ -58,9 +57,9 @@ std::vector<double> floors_below(const std::vector<Vec3>& points) {
 
 /// Height of a point in a vertical face above the line between the floors of the face's ends.
 double height_above_floor(const FoamMesh& mesh, const std::vector<double>& floors, std::size_t f,
-                          const Vec3& at) {
+                          const Point3& at) {
   const auto corners = mesh.face(f);
-  const Vec3& a = mesh.point(corners[0]);
+  const Point3& a = mesh.point(corners[0]);
   std::int32_t far = corners[0];
   double most = 0;
   for (const std::int32_t p : corners) {
@@ -72,7 +71,7 @@ double height_above_floor(const FoamMesh& mesh, const std::vector<double>& floor
   }
   const double from = floors[static_cast<std::size_t>(corners[0])];
   if (most == 0) return at[2] - from;
-  const Vec3& b = mesh.point(far);
+  const Point3& b = mesh.point(far);
   const double t =
       ((at[0] - a[0]) * (b[0] - a[0]) + (at[1] - a[1]) * (b[1] - a[1])) / (most * most);
   return at[2] - (from + t * (floors[static_cast<std::size_t>(far)] - from));
@@ -100,28 +99,25 @@ std::vector<double> heights_of_cells(const FoamMesh& mesh, const std::vector<dou
 std::unordered_map<std::int32_t, double> heights_on(const FoamMesh& mesh,
                                                     const std::vector<std::size_t>& faces) {
   struct Plane {
-    Vec3 point{};
-    Vec3 normal{};
+    Point3 point{};
+    Point3 area{};
+    double size = 0;
   };
   std::unordered_map<std::int32_t, Plane> planes;
   std::unordered_map<std::int32_t, double> heights;
   for (const std::size_t f : faces) {
     const FaceGeometry face = face_geometry(mesh, f);
-    const double size = std::hypot(face.area[0], face.area[1], face.area[2]);
-    if (size > 0)
-      planes[mesh.owner[f]] = {face.centre,
-                               {face.area[0] / size, face.area[1] / size, face.area[2] / size}};
+    if (const double size = length(face.area); size > 0)
+      planes[mesh.owner[f]] = {face.centre, face.area, size};
   }
   const auto look = [&](std::int32_t cell, std::size_t f) {
     const auto found = planes.find(cell);
     if (found == planes.end()) return;
     double& height = heights[cell];
-    for (const std::int32_t p : mesh.face(f)) {
-      double depth = 0;  // normals leave the cell
-      for (std::size_t c = 0; c < 3; ++c)
-        depth -= (mesh.point(p)[c] - found->second.point[c]) * found->second.normal[c];
-      height = std::max(height, depth);
-    }
+    const Plane& plane = found->second;
+    for (const std::int32_t p : mesh.face(f))  // normals leave the cell
+      height =
+          std::max(height, -dot(minus(mesh.point(p), plane.point), plane.area) / plane.size);
   };
   for (std::size_t f = 0; f < mesh.faces(); ++f) {
     look(mesh.owner[f], f);
@@ -141,9 +137,9 @@ struct CasePatch {
 SideRole role_of(const FoamMesh& mesh, const FoamPatch& patch, const std::array<double, 2>& to) {
   bool enters = false, leaves = false;
   for (std::size_t f = patch.begin; f < patch.end; ++f) {
-    const Vec3 area = face_geometry(mesh, f).area;
+    const Point3 area = face_geometry(mesh, f).area;
     const double through = area[0] * to[0] + area[1] * to[1];
-    const double least = kAlong * std::hypot(area[0], area[1], area[2]);
+    const double least = kAlong * length(area);
     enters = enters || through < -least;
     leaves = leaves || through > least;
   }
@@ -154,9 +150,9 @@ SideRole role_of(const FoamMesh& mesh, const FoamPatch& patch, const std::array<
 bool is_level(const FoamMesh& mesh, const FoamPatch& patch) {
   double level = 0, all = 0;
   for (std::size_t f = patch.begin; f < patch.end; ++f) {
-    const Vec3 area = face_geometry(mesh, f).area;
+    const Point3 area = face_geometry(mesh, f).area;
     level += std::abs(area[2]);
-    all += std::hypot(area[0], area[1], area[2]);
+    all += length(area);
   }
   return level > all / 2;
 }
@@ -312,7 +308,7 @@ class Fields {
   /// Roughness of the ground at face f.
   double roughness(std::size_t f) const {
     if (options_.ground_roughness <= 0) return options_.wind.roughness;
-    const Vec3 at = face_geometry(mesh_, f).centre;
+    const Point3 at = face_geometry(mesh_, f).centre;
     const auto& [low, high] = town();
     const bool inside = at[0] >= low[0] && at[0] <= high[0] && at[1] >= low[1] && at[1] <= high[1];
     return inside ? options_.ground_roughness : options_.wind.roughness;
@@ -324,10 +320,10 @@ class Fields {
   template <typename OfPatch>
   std::string field(const std::string& name, const std::string& type, const char* dimensions,
                     const std::string& inside, const OfPatch& of_patch) const {
-    std::string text = head(type, name) + fmt::format(
-                                              "dimensions      {};\n\ninternalField   {};\n"
-                                              "\nboundaryField\n{{\n",
-                                              dimensions, inside);
+    std::string text =
+        head(type, name) + fmt::format("dimensions      {};\n\ninternalField   ", dimensions);
+    text += inside;
+    text += ";\n\nboundaryField\n{\n";
     for (const CasePatch& p : patches_)
       text += fmt::format("    {} {{ {} }}\n", p.patch->name, of_patch(p));
     return text + "}\n";
@@ -348,7 +344,7 @@ class Fields {
         });
   }
 
-  /// Of the top above the lowest points of the sides.
+  /// Of the top above the ground along the sides, the mean of it.
   double height_of_top() const {
     double highest = -std::numeric_limits<double>::infinity(), sum = 0, count = 0;
     for (const CasePatch& p : patches_) {
@@ -373,7 +369,7 @@ class Fields {
       if (p.kind != CasePatch::Kind::kBuilding) continue;
       for (std::size_t f = p.patch->begin; f < p.patch->end; ++f)
         for (const std::int32_t corner : mesh_.face(f)) {
-          const Vec3& at = mesh_.point(corner);
+          const Point3& at = mesh_.point(corner);
           for (std::size_t c = 0; c < 2; ++c) {
             box.first[c] = std::min(box.first[c], at[c]);
             box.second[c] = std::max(box.second[c], at[c]);
@@ -457,7 +453,7 @@ pedestrian
             (
 )",
                                  kVersion, options.sample_height, is_org ? "points" : "cloud");
-  for (const Vec3& p : samples.points)
+  for (const Point3& p : samples.points)
     fmt::format_to(std::back_inserter(text), "({:.8g} {:.8g} {:.8g})\n", p[0], p[1], p[2]);
   return text + "            );\n        }\n    );\n}\n";
 }
@@ -476,34 +472,36 @@ std::string turbulence_model(const std::string& object, bool is_org) {
 std::vector<CaseFile> files_of(const OpenfoamCaseOptions& options, const Fields& fields,
                                const SamplePoints& samples) {
   const bool is_org = options.dialect == FoamDialect::kOrg;
+  const auto text = [](std::string all) { return [all = std::move(all)] { return all; }; };
   std::vector<CaseFile> files{
-      {"0/U", fields.velocity()},
-      {"0/p", fields.pressure()},
-      {"0/k", fields.kinetic_energy()},
-      {"0/epsilon", fields.dissipation()},
-      {"0/nut", fields.eddy_viscosity()},
+      {"0/U", [&] { return fields.velocity(); }},
+      {"0/p", [&] { return fields.pressure(); }},
+      {"0/k", [&] { return fields.kinetic_energy(); }},
+      {"0/epsilon", [&] { return fields.dissipation(); }},
+      {"0/nut", [&] { return fields.eddy_viscosity(); }},
       {"constant/transportProperties",
-       head("dictionary", "transportProperties") +
-           "transportModel  Newtonian;\nnu              1.5e-05;\n"},
-      {"constant/turbulenceProperties", turbulence_model("turbulenceProperties", is_org)},
-      {"system/controlDict", control(options)},
-      {"system/pedestrian", pedestrian(options, samples)},
-      {"system/fvSchemes", head("dictionary", "fvSchemes") + foam_texts::kFvSchemes},
-      {"system/fvSolution", head("dictionary", "fvSolution") + foam_texts::kFvSolution},
-      {"wind.py",
-       replaced(foam_texts::kWindPy, {{"@SPEED@", fmt::format("{}", options.wind.speed)},
-                                      {"@HEIGHT@", fmt::format("{}", options.wind.height)},
-                                      {"@SAMPLE_HEIGHT@", fmt::format("{}", options.sample_height)},
-                                      {"@SPACING@", fmt::format("{}", samples.spacing)}})}};
+       text(head("dictionary", "transportProperties") +
+            "transportModel  Newtonian;\nnu              1.5e-05;\n")},
+      {"constant/turbulenceProperties", text(turbulence_model("turbulenceProperties", is_org))},
+      {"system/controlDict", text(control(options))},
+      {"system/pedestrian", [&] { return pedestrian(options, samples); }},
+      {"system/fvSchemes", text(head("dictionary", "fvSchemes") + foam_texts::kFvSchemes)},
+      {"system/fvSolution", text(head("dictionary", "fvSolution") + foam_texts::kFvSolution)},
+      {"wind.py", text(replaced(foam_texts::kWindPy,
+                                {{"@SPEED@", fmt::format("{}", options.wind.speed)},
+                                 {"@HEIGHT@", fmt::format("{}", options.wind.height)},
+                                 {"@SAMPLE_HEIGHT@", fmt::format("{}", options.sample_height)},
+                                 {"@SPACING@", fmt::format("{}", samples.spacing)}}))}};
   if (is_org) {
-    files.emplace_back("constant/momentumTransport", turbulence_model("momentumTransport", true));
+    files.emplace_back("constant/momentumTransport",
+                       text(turbulence_model("momentumTransport", true)));
     files.emplace_back("constant/physicalProperties",
-                       head("dictionary", "physicalProperties") +
-                           "viscosityModel  constant;\nnu              1.5e-05;\n");
+                       text(head("dictionary", "physicalProperties") +
+                            "viscosityModel  constant;\nnu              1.5e-05;\n"));
   }
   // The last: a folder with it is a whole case.
-  files.emplace_back(
-      "Allrun", replaced(foam_texts::kAllrun, {{"@SOLVER@", is_org ? "foamRun" : "simpleFoam"}}));
+  files.emplace_back("Allrun", text(replaced(foam_texts::kAllrun,
+                                             {{"@SOLVER@", is_org ? "foamRun" : "simpleFoam"}})));
   return files;
 }
 

@@ -40,6 +40,11 @@ solvers
         tolerance    1e-9;
         relTol       0.05;
     }
+    Phi                         // of potentialFoam
+    {
+        $p;
+        relTol       0.01;
+    }
     "(U|k|epsilon)"
     {
         solver       smoothSolver;
@@ -47,6 +52,11 @@ solvers
         tolerance    1e-10;
         relTol       0.1;
     }
+}
+
+potentialFlow
+{
+    nNonOrthogonalCorrectors 5;
 }
 
 SIMPLE

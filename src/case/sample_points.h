@@ -10,7 +10,7 @@ namespace tetropolis {
 
 struct SamplePoints {
   double spacing = 0;  ///< Of their grid [m].
-  std::vector<std::array<double, 3>> points;
+  std::vector<Point3> points;
 };
 
 /// The nodes (x, y) = (i + 1/2, j + 1/2) * spacing over faces on the ground (of the patches for

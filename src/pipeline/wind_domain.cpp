@@ -128,6 +128,14 @@ std::string inlet_of(const Domain& domain, Point2 along) {
   return along.y > 0 ? "ymin" : "ymax";
 }
 
+/// The largest over the winds that blow at the middles of a cylinder's sectors.
+double widest_frontal_area(const CityModel& city, int sectors) {
+  double area = 0;
+  for (int k = 0; k < sectors; ++k)
+    area = std::max(area, frontal_area(city, direction_of(360.0 * k / sectors)));
+  return area;
+}
+
 double share_outside(const Domain& domain, const Bounds2& data) {
   return 1 - total_area(parts_in_domain(domain.outline(), data)) / domain.area();
 }
@@ -203,7 +211,9 @@ WindDomainFacts fit_wind_domain(const WindDomainOptions& options, double min_dis
     city.domain_top = snap_height(top_over(city, height));
   }
   const double height = facts.building_height;
-  const double frontal = frontal_area(city, along);
+  const double frontal = options.shape == DomainShape::kCylinder
+                             ? widest_frontal_area(city, options.sectors)
+                             : frontal_area(city, along);
   const double guideline_section = facts.guideline_width * facts.guideline_height;
   if (guideline_section > 0) facts.guideline_blockage = frontal / guideline_section;
   if (options.shape == DomainShape::kBox) {
@@ -217,7 +227,9 @@ WindDomainFacts fit_wind_domain(const WindDomainOptions& options, double min_dis
     city.domain = is_along_axis ? along_axis(box, along) : turned_box(box, along);
     facts.inlet = inlet_of(city.domain, along);
   } else if (options.shape == DomainShape::kCylinder) {
-    facts.radius = 0.5 * std::hypot(core.width(), core.height()) + kOutflow * height;
+    facts.guideline_radius = 0.5 * std::hypot(core.width(), core.height()) + kOutflow * height;
+    facts.radius = std::max(facts.guideline_radius,
+                            0.5 * frontal / (kMostBlockage * facts.guideline_height));
     facts.length = facts.width = 2 * facts.radius;
     city.domain = cylinder({0.5 * (core.xmin + core.xmax), 0.5 * (core.ymin + core.ymax)},
                            facts.radius, options.sectors);
@@ -229,7 +241,8 @@ WindDomainFacts fit_wind_domain(const WindDomainOptions& options, double min_dis
   if (facts.blockage > kMostBlockage * (1 + 1e-9))
     warnings.push_back({"domain_blockage", 1,
                         fmt::format("buildings block {:.1f} % of the domain's cross-section (at "
-                                    "most 3 % by COST 732); a box is widened for that",
+                                    "most 3 % by COST 732); a box or a cylinder is widened for "
+                                    "that",
                                     100 * facts.blockage)});
   facts.area_outside_data = share_outside(city.domain, data);
   facts.rim_height = rim_height(terrain);

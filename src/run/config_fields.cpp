@@ -236,6 +236,12 @@ std::vector<ConfigField> make_fields() {
        .common = true,
        .choices = {"vtu", "xdmf", "msh", "msh2", "vtkhdf", "cgns", "fluent", "su2", "openfoam",
                    "obj", "ply", "glb"}},
+      {.name = "building_patches",
+       .group = "Output",
+       .member = &C::building_patches,
+       .commands = kMeshing,
+       .help = "Formats with named patches (openfoam, msh, msh2, cgns, fluent, su2): a roof and a "
+               "wall patch for each building, such as roof_b7"},
       {.name = "coordinates",
        .group = "Output",
        .member = choice<&C::coordinates>(),

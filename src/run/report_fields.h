@@ -156,6 +156,8 @@ void fields_of(WindDomainFacts& domain, const Field& field) {
         "frontal area of all buildings over that of the box before widening");
   field("length", domain.length, "number, m", "along the wind (`cylinder`: diameter; polygon: x)");
   field("width", domain.width, "number, m", "across it");
+  field("guideline_radius", domain.guideline_radius, "number, m",
+        "of a cylinder before widening: 15 H around the circle of the buildings' box");
   field("radius", domain.radius, "number, m", "of a cylinder");
   field("blockage", domain.blockage, "number", "frontal area over width times 6 H");
   field("inlet", domain.inlet, "text", "patch that the wind comes in through, of a box");

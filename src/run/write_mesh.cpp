@@ -20,6 +20,7 @@
 #include "tetropolis/io/mesh/vtk.h"
 #include "tetropolis/io/mesh/vtkhdf.h"
 #include "tetropolis/io/mesh/xdmf.h"
+#include "tetropolis/volume/column/building_patches.h"
 
 #include "result_files.h"
 
@@ -36,6 +37,10 @@ void write_volume(const Config& config, const ColumnMesh& mesh, const SurfaceMes
                   std::span<const Building> buildings, const Placement& placement,
                   OutputFolder& out, const Progress& progress) {
   using Write = std::function<void(const Progress&)>;
+  // For formats that know a face by its patch alone.
+  const SurfaceMesh by_building =
+      config.building_patches ? divide_by_building(boundary, buildings) : SurfaceMesh{};
+  const SurfaceMesh& patches = config.building_patches ? by_building : boundary;
   const std::array<std::pair<std::string_view, Write>, 9> writers{{
       {"vtu",
        [&](const Progress& p) {
@@ -49,30 +54,30 @@ void write_volume(const Config& config, const ColumnMesh& mesh, const SurfaceMes
        }},
       {"msh",
        [&](const Progress& p) {
-         write_msh(out.result("volume.msh"), mesh, boundary, placement, p);
+         write_msh(out.result("volume.msh"), mesh, patches, placement, p);
        }},
       {"msh2",
        [&](const Progress& p) {
-         write_msh2(out.result("volume_msh2.msh"), mesh, boundary, placement, p);
+         write_msh2(out.result("volume_msh2.msh"), mesh, patches, placement, p);
        }},
       {"vtkhdf",
        [&](const Progress& p) { write_vtkhdf(out.result("volume.vtkhdf"), mesh, placement, p); }},
       {"cgns",
        [&](const Progress& p) {
-         write_cgns(out.result("volume.cgns"), mesh, boundary, placement, p);
+         write_cgns(out.result("volume.cgns"), mesh, patches, placement, p);
        }},
       {"fluent",
        [&](const Progress& p) {
-         write_fluent(out.result("volume_fluent.msh"), mesh, boundary, placement, p);
+         write_fluent(out.result("volume_fluent.msh"), mesh, patches, placement, p);
        }},
       {"su2",
        [&](const Progress& p) {
-         write_su2(out.result("volume.su2"), mesh, boundary, placement, p);
+         write_su2(out.result("volume.su2"), mesh, patches, placement, p);
        }},
       {"openfoam",
        [&](const Progress& p) {
          write_openfoam(out.result("constant/polyMesh", results::of_format("openfoam")), mesh,
-                        boundary, placement, p);
+                        patches, placement, p);
        }},
   }};
   std::vector<const Write*> wanted;

@@ -183,7 +183,8 @@ TEST(WindDomain, CylinderHasASectorForEachWind) {
     Model model = small_model();
     const Bounds2 box{20, 20, 120, 91};
     const WindDomainFacts facts = fit({DomainShape::kCylinder, 270, sectors}, model);
-    EXPECT_NEAR(facts.radius, 0.5 * std::hypot(box.width(), box.height()) + 300, 1e-9);
+    EXPECT_NEAR(facts.guideline_radius, 0.5 * std::hypot(box.width(), box.height()) + 300, 1e-9);
+    EXPECT_GE(facts.radius, facts.guideline_radius);
     const Point2 centre{70, 55.5};
     const Domain& domain = model.city.domain;
     EXPECT_EQ(domain.own_patches().size(), static_cast<std::size_t>(sectors));
@@ -201,6 +202,28 @@ TEST(WindDomain, CylinderHasASectorForEachWind) {
     }
     EXPECT_NEAR(perimeter, 2 * std::numbers::pi * facts.radius, 0.005 * perimeter);
   }
+}
+
+TEST(WindDomain, CylinderIsWidenedForEveryWind) {
+  // A long row of buildings: seen from the side it blocks most.
+  Model model = small_model();
+  for (std::size_t i = 0; i < 40; ++i) {
+    Building more = model.city.buildings[BuildingIndex(0)];
+    for (Point2& p : more.footprint.outer) p.y += 30.0 * static_cast<double>(i);
+    more.id = "more" + std::to_string(i);
+    model.city.buildings.push_back(more);
+  }
+  const WindDomainFacts facts = fit({DomainShape::kCylinder, 270, 36}, model);
+  EXPECT_GT(facts.radius, facts.guideline_radius);
+  double most = 0;
+  for (int k = 0; k < 36; ++k) {
+    const double angle = k * std::numbers::pi / 18;
+    const double share = frontal_area(model.city, {std::sin(angle), std::cos(angle)}) /
+                         (2 * facts.radius * facts.guideline_height);
+    most = std::max(most, share);
+  }
+  EXPECT_NEAR(most, 0.03, 1e-4);
+  EXPECT_NEAR(facts.blockage, 0.03, 1e-9);
 }
 
 TEST(WindDomain, PolygonKeepsTheBuildingsInIt) {

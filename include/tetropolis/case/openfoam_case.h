@@ -16,6 +16,9 @@ namespace tetropolis {
 enum class FoamDialect : std::uint8_t { kCom, kOrg };
 inline constexpr std::array<std::string_view, 2> kFoamDialectNames = {"com", "org"};
 
+/// Wall functions of rough walls need cells as high as that many roughness lengths at least.
+inline constexpr double kRoughnessLengths = 4;
+
 struct OpenfoamCaseOptions {
   Wind wind;
   FoamDialect dialect = FoamDialect::kCom;
@@ -46,7 +49,7 @@ struct OpenfoamCase {
   std::vector<Side> sides;
   std::int64_t ground_faces = 0;
   double first_cell = 0;      ///< Height of the cells on the ground [m], the median.
-  std::int64_t shallow = 0;   ///< Ground faces whose cell is lower than four times the roughness:
+  std::int64_t shallow = 0;   ///< Ground faces whose cell is lower than kRoughnessLengths of it:
                               ///< wall functions overstate the wind there.
   std::int64_t samples = 0;   ///< Points at sample_height.
   double sample_spacing = 0;  ///< [m]

@@ -33,7 +33,7 @@ struct WindDomainFacts {
   double guideline_length = 0, guideline_width = 0, guideline_height = 0;  ///< Before widening.
   double guideline_blockage = 0;  ///< Frontal area of all buildings over width times height.
   double length = 0, width = 0;   ///< Along the wind and across, as made.
-  double radius = 0;              ///< Of a cylinder.
+  double guideline_radius = 0, radius = 0;  ///< Of a cylinder, before widening and as made.
   double blockage = 0;            ///< As made.
   std::string inlet;              ///< Patch that the wind blows in through; of a box.
   Bounds2 data = {};              ///< Where there are data, CRS coordinates.
@@ -49,7 +49,8 @@ double frontal_area(const CityModel& city, Point2 along);
 /// al. 2007) and AIJ (Tominaga et al. 2008): with H the height of the tallest building, 5 H from
 /// the buildings to the inlet, to the sides and from the tallest roof to the top, 15 H to the
 /// outlet; a box is then widened until buildings block at most 3 % of its cross-section (of width
-/// times 6 H). A cylinder has 15 H on all sides of the circle around the buildings' box. A box
+/// times 6 H). A cylinder has 15 H on all sides of the circle around the buildings' box, and is
+/// widened likewise for the winds from its sectors, its diameter being the width. A box
 /// along the x or y axis keeps the patches xmin to ymax; another one has "inlet", "outlet",
 /// "side_left" and "side_right" (looking downwind), a cylinder "sector_000" and on by where they
 /// lie from the centre, in degrees clockwise from north, a polygon "side_1" and on; all from

@@ -52,6 +52,7 @@ struct Config {
   std::string out;
   bool overwrite = false;
   std::vector<std::string> formats{"vtu"};
+  bool building_patches = false;
   Coordinates coordinates = Coordinates::kLocal;
   Compression compression = Compression::kNone;
   bool no_html = false;

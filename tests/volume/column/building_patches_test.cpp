@@ -1,0 +1,76 @@
+#include "tetropolis/volume/column/building_patches.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tetropolis/check/check_surface.h"
+
+#include "support/explicit_mesh.h"
+#include "support/small_city.h"
+
+namespace tetropolis {
+namespace {
+
+std::vector<Building> named(const std::vector<std::string>& ids) {
+  std::vector<Building> buildings(ids.size());
+  for (std::size_t b = 0; b < ids.size(); ++b) buildings[b].id = ids[b];
+  return buildings;
+}
+
+TEST(BuildingPatches, HaveTheFacesOfTheirBuilding) {
+  const testing::SmallCity city = testing::small_city(testing::hills);
+  const SurfaceMesh whole = extract_boundary(testing::meshed(city).mesh);
+  std::vector<std::string> ids;
+  for (std::size_t b = 0; b < city.footprints.size(); ++b) ids.push_back("b" + std::to_string(b));
+  const SurfaceMesh divided = divide_by_building(whole, named(ids));
+
+  ASSERT_EQ(divided.patches.size(), 6 + 2 * ids.size());
+  EXPECT_FALSE(divided.patches.contains(Patch::kRoof));
+  EXPECT_FALSE(divided.patches.contains(Patch::kWall));
+  EXPECT_TRUE(std::is_sorted(divided.patch.begin(), divided.patch.end()));
+  EXPECT_EQ(divided.points, whole.points);
+  EXPECT_EQ(divided.node, whole.node);
+  // The same faces, each with what it had.
+  using Face = std::pair<std::array<std::int32_t, 3>, CellIndex>;
+  std::map<std::string, std::set<Face>> expected, found;
+  for (std::size_t f = 0; f < whole.triangles.size(); ++f) {
+    std::string name = whole.patch_of(f).name;
+    if (whole.building[f] != kNoBuilding)
+      name += "_b" + std::to_string(whole.building[f].value());
+    expected[name].insert({whole.triangles[f], whole.cell[f]});
+  }
+  for (std::size_t f = 0; f < divided.triangles.size(); ++f) {
+    found[divided.patch_of(f).name].insert({divided.triangles[f], divided.cell[f]});
+    EXPECT_EQ(divided.patch_of(f).of_building(), divided.building[f] != kNoBuilding);
+  }
+  EXPECT_EQ(found, expected);
+  EXPECT_TRUE(check_surface(divided).violations.empty());
+}
+
+TEST(BuildingPatches, HaveNamesThatEveryFormatTakes) {
+  const testing::SmallCity city = testing::small_city(testing::hills);
+  const SurfaceMesh whole = extract_boundary(testing::meshed(city).mesh);
+  std::vector<std::string> ids(city.footprints.size(), "way/7 (a)");
+  ids[0] = "NL.IMBAG.Pand.0503100000012345";
+  std::set<std::string> names;
+  for (const PatchInfo& info : divide_by_building(whole, named(ids)).patches) {
+    EXPECT_TRUE(names.insert(info.name).second) << info.name;
+    EXPECT_LE(info.name.size(), 32U);
+    EXPECT_EQ(info.name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                          "0123456789_-."),
+              std::string::npos)
+        << info.name;
+  }
+  EXPECT_TRUE(names.contains("roof_NL_IMBAG_Pand_050310000.0"));
+  EXPECT_TRUE(names.contains("wall_way_7__a_"));
+}
+
+}  // namespace
+}  // namespace tetropolis
