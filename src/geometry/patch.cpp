@@ -23,19 +23,12 @@ void PatchTable::add(PatchInfo info) {
   patches_.insert(after, std::move(info));
 }
 
-void PatchTable::remove(Patch patch) {
-  assert(contains(patch));
-  patches_.erase(patches_.begin() + static_cast<std::ptrdiff_t>(position(patch)));
-}
-
 std::size_t PatchTable::position(Patch patch) const {
   // Numbers from 1 without a gap are the rule.
   const auto guess = static_cast<std::size_t>(patch) - 1;
   if (guess < patches_.size() && patches_[guess].patch == patch) return guess;
-  const auto found =
-      std::lower_bound(patches_.begin(), patches_.end(), patch,
-                       [](const PatchInfo& info, Patch number) { return info.patch < number; });
-  if (found == patches_.end() || found->patch != patch) return patches_.size();
+  const auto found = std::find_if(patches_.begin(), patches_.end(),
+                                  [&](const PatchInfo& info) { return info.patch == patch; });
   return static_cast<std::size_t>(found - patches_.begin());
 }
 

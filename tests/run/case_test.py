@@ -160,6 +160,25 @@ def check_openfoam(program, folder):
         assert int(found[1]) == json.loads((case / "report.json").read_text())["volume_mesh"]["cells"]
         assert all(map(math.isfinite, u))
     assert all(math.isclose(a, b, rel_tol=0.02) for a, b in zip(figures[1], figures.get(2, figures[1]))), figures
+
+    # Other domains, and a patch for each building; the wind meets half of a cylinder.
+    for name, more in ("auto", ["--wind-from", FROM]), ("cylinder", ["--sectors", 12]):
+        case = city(program, folder / name, "openfoam", "--domain", name, "--far-size", 60, "--building-patches", *more)
+        said = run(program, "case", "openfoam", case, *CASE, "--iterations", 10)
+        sides = dict(re.findall(r"(\w+) (inlet and outlet|inlet|outlet|slip)(?:,|\n)", said))
+        if name == "auto":
+            assert sides == {"inlet": "inlet", "outlet": "outlet", "side_left": "slip", "side_right": "slip"}, said
+        else:
+            assert len(sides) == 12, said
+            for side, role in sides.items():
+                off = abs((int(side[-3:]) - FROM + 180) % 360 - 180)
+                assert role == ("inlet" if off < 75 else "outlet" if off > 105 else "inlet and outlet"), (side, role)
+        model = json.loads((case / "city.city.json").read_text())
+        for thing in model["CityObjects"].values():
+            assert f"roof_{thing['attributes']['tetropolis_id']} {{" in (case / "0/U").read_text()
+        run("potentialFoam", "-case", case, env={"WM_PROJECT_DIR": "/usr/share/openfoam", **environment})
+        said = run(case / "Allrun", env=environment)
+        assert SPEED < float(re.search(r"fastest cell\s+(\S+)", said)[1]) < 2.5 * SPEED, said
     return 0
 
 

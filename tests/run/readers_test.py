@@ -44,10 +44,27 @@ class Run:
         self.volume = self.report["volume_mesh"]["volume"]
         self.faces = self.report["surface_mesh"]["faces_by_patch"]
         self.land = sum(self.faces[name] for name in LAND)
+        self.by_building = "--building-patches" in options
         assert len(self.buildings) > 3
 
     def column(self, name):
         return [building[name] for building in self.buildings]
+
+    def patches(self):
+        """Corners of the faces of each patch with faces, as formats of patches have them."""
+        import h5py
+        import meshio
+
+        names = {number: name for name, (number, dimension) in meshio.read(self.out / "boundary.xdmf").field_data.items()
+                 if dimension == 2}
+        data = h5py.File(self.out / "boundary.h5")["MeshTags/boundary"]
+        faces = {}
+        for corners, number, building in zip(data["topology"][:], data["patch"][:], data["building"][:]):
+            name = names[number]
+            if self.by_building and building >= 0:
+                name += "_" + self.buildings[building]["tetropolis_id"]
+            faces.setdefault(name, []).append(tuple(corners))
+        return faces
 
 
 def near(a, b, tolerance=1e-6):
@@ -128,18 +145,15 @@ def check_cgns(run):
         raise ModuleNotFoundError("cgnscheck (package cgns-convert) is missing")
     said = subprocess.run(["cgnscheck", run.out / "volume.cgns"], capture_output=True, text=True)
     assert said.returncode == 0 and "checking complete" in said.stdout and "ERROR" not in said.stdout, said.stdout
-    for name, count in run.faces.items():
-        assert (f'checking BC "{name}"' in said.stdout) == (count > 0), said.stdout
-    volume, boundary = meshio.read(run.out / "volume.vtu"), meshio.read(run.out / "boundary.xdmf")
-    triangles, patch = boundary.cells_dict["triangle"], boundary.cell_data["patch"][0]
+    patches = run.patches()
+    assert set(re.findall(r'checking BC "(.*?)"', said.stdout)) == set(patches), said.stdout
+    volume = meshio.read(run.out / "volume.vtu")
     zone = h5py.File(run.out / "volume.cgns")["Base/Zone1"]
     points = np.column_stack([zone[f"GridCoordinates/Coordinate{axis}/ data"] for axis in "XYZ"])
     assert np.array_equal(points, volume.points)
     assert np.array_equal(zone["air/ElementConnectivity/ data"][:].reshape(-1, 4) - 1, volume.cells_dict["tetra"])
-    for name, (number, dimension) in boundary.field_data.items():
-        if dimension == 2 and run.faces[name] > 0:
-            assert np.array_equal(zone[f"{name}/ElementConnectivity/ data"][:].reshape(-1, 3) - 1,
-                                  triangles[patch == number]), name
+    for name, faces in patches.items():
+        assert np.array_equal(zone[f"{name}/ElementConnectivity/ data"][:].reshape(-1, 3) - 1, faces), name
 
 
 def check_foam(run):
@@ -165,7 +179,7 @@ def check_foam(run):
         assert near(float(re.search(r"Total volume = (\S+)\.", said.stdout)[1]), run.volume, 1e-5), said.stdout
         patches = re.findall(r"(\w+)\s*\{[^}]*nFaces\s+(\d+);", (case / "constant/polyMesh/boundary").read_text())
         assert {name: int(count) for name, count in patches if int(count) > 0} == {
-            name: count for name, count in run.faces.items() if count > 0}, patches
+            name: len(faces) for name, faces in run.patches().items()}, patches
 
 
 def check_meshio(run):
@@ -189,17 +203,19 @@ def check_meshio(run):
     corner = points[triangles]
     enclosed = np.einsum("ij,ij->", corner[:, 0], np.cross(corner[:, 1], corner[:, 2])) / 6
     assert near(enclosed, run.volume)
-    assert np.array_equal(np.vstack([block.data for block in read["volume.msh"].cells if block.type == "triangle"]),
-                          triangles)
+    patches = run.patches()
+    for name in ("volume.msh", "volume_msh2.msh", "volume.su2"):
+        faces = np.vstack([block.data for block in read[name].cells if block.type == "triangle"])
+        assert np.array_equal(faces, np.vstack(list(patches.values())))
     msh2 = read["volume_msh2.msh"]
-    assert np.array_equal(msh2.cells_dict["triangle"], triangles)
-    assert np.array_equal(msh2.cell_data_dict["gmsh:physical"]["triangle"], patch)
-    assert {name: number for name, (number, dimension) in msh2.field_data.items() if dimension == 2} == {
-        name: number for name, (number, dimension) in boundary.field_data.items() if dimension == 2}
-    assert np.array_equal(np.vstack([block.data for block in read["volume.su2"].cells if block.type == "triangle"]),
-                          triangles)
+    numbers = {name: number for name, (number, dimension) in msh2.field_data.items() if dimension == 2}
+    assert np.array_equal(msh2.cell_data_dict["gmsh:physical"]["triangle"],
+                          np.concatenate([[numbers[name]] * len(faces) for name, faces in patches.items()]))
+    assert set(numbers) == set(patches)
+    if not run.by_building:
+        assert numbers == {name: number for name, (number, dimension) in boundary.field_data.items() if dimension == 2}
     markers = re.findall(r"MARKER_TAG= (\w+)\nMARKER_ELEMS= (\d+)\n", (run.out / "volume.su2").read_text())
-    assert {name: int(count) for name, count in markers} == {n: c for n, c in run.faces.items() if c > 0}
+    assert {name: int(count) for name, count in markers} == {name: len(faces) for name, faces in patches.items()}
     for name in ("surface.stl", "surface.obj"):
         assert sum(len(block.data) for block in read[name].cells if block.type == "triangle") == run.land
 
@@ -261,7 +277,7 @@ def main():
     check = {"pyvista": check_pyvista, "meshio": check_meshio, "cgns": check_cgns, "foam": check_foam,
              "trimesh": check_trimesh, "gltf": check_gltf}[what]
     with tempfile.TemporaryDirectory() as scratch:
-        for options in ((), ("--compression", "zlib")):
+        for options in ((), ("--compression", "zlib"), ("--building-patches",)):
             try:
                 check(Run(program, pathlib.Path(scratch), *options))
             except ModuleNotFoundError as error:

@@ -265,6 +265,22 @@ const std::vector<Setting>& table() {
          EXPECT_TRUE(!fs::exists(changed.out / "volume.vtu") &&
                      fs::exists(changed.out / "surface.obj"));
        }},
+      {"building_patches",
+       {"true"},
+       run_build,
+       [](R plain, R changed) {
+         const auto boundary = [](R result) {
+           return testing::bytes_of(result.out / "constant/polyMesh/boundary");
+         };
+         EXPECT_EQ(boundary(plain).find("    roof_"), std::string::npos);
+         for (const Building& building : read_city(changed.out / "city.city.json").buildings) {
+           EXPECT_NE(boundary(changed).find("    roof_" + building.id + "\n"), std::string::npos);
+           EXPECT_NE(boundary(changed).find("    wall_" + building.id + "\n"), std::string::npos);
+         }
+         EXPECT_EQ(plain.report.surface_mesh->faces_by_patch,
+                   changed.report.surface_mesh->faces_by_patch);
+       },
+       [](Village&, Config& config) { config.formats = {"openfoam"}; }},
       {"coordinates",
        {"absolute"},
        run_build,

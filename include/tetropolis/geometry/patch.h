@@ -48,8 +48,6 @@ class PatchTable {
   PatchTable();
   /// Precondition: none has its number.
   void add(PatchInfo info);
-  /// Precondition: the patch is there.
-  void remove(Patch patch);
 
   /// Where a patch stands; size() if it does not.
   std::size_t position(Patch patch) const;

@@ -189,12 +189,16 @@ void write_patches(AtomicFile& file, const SurfaceMesh& surface, const Sizes& si
   std::size_t start = sizes.internal;
   for (std::size_t i = 0; i < counts.size(); ++i) {
     const auto count = static_cast<std::size_t>(counts[i].faces);
-    const bool solid = surface.patches[i].is_solid();
+    const PatchInfo& info = surface.patches[i];
+    // Those of single buildings have their roofs and walls in groups, too.
+    std::string groups = info.is_solid() ? "1(wall)" : "";
+    if (info.of_building() && info.patch != Patch::kRoof && info.patch != Patch::kWall)
+      groups = info.kind == PatchKind::kRoof ? "2(wall roofs)" : "2(wall walls)";
     text += fmt::format(
         "    {}\n    {{\n        type            {};\n{}        nFaces          {};\n"
         "        startFace       {};\n    }}\n",
-        counts[i].name, solid ? "wall" : "patch", solid ? "        inGroups        1(wall);\n" : "",
-        count, start);
+        info.name, info.is_solid() ? "wall" : "patch",
+        groups.empty() ? "" : fmt::format("        inGroups        {};\n", groups), count, start);
     start += count;
   }
   file.write(text + ")\n");

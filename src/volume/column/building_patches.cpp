@@ -47,10 +47,8 @@ SurfaceMesh divide_by_building(const SurfaceMesh& boundary, std::span<const Buil
   const std::vector<std::string> names = plain_names(buildings);
   SurfaceMesh result = boundary;
   std::int32_t next = 1;
-  for (const PatchInfo& info : boundary.patches) {
+  for (const PatchInfo& info : boundary.patches)
     next = std::max(next, static_cast<std::int32_t>(info.patch) + 1);
-    if (info.of_building()) result.patches.remove(info.patch);
-  }
   for (const auto& [kind, prefix] : kKinds) {
     constexpr std::int32_t kNone = 0;
     std::vector<std::int32_t> number(names.size(), kNone);

@@ -8,10 +8,10 @@
 
 namespace tetropolis {
 
-/// `boundary` with its roofs and walls, patch by patch, divided by building: in place of the
-/// patches of kinds kRoof and kWall come "roof_ID" and "wall_ID" for each building that has such
-/// faces, roofs before walls, each in the order of `buildings`, numbered after all other patches.
-/// Faces keep their order within a patch; points stay as they are.
+/// `boundary` with its roofs and walls divided by building: their faces move to "roof_ID" and
+/// "wall_ID", for each building that has such faces, roofs before walls, each in the order of
+/// `buildings`, numbered after all other patches. "roof" and "wall" stay, without faces. Faces keep
+/// their order within a patch; points stay as they are.
 ///
 /// Names have letters, digits, '_' and '-' and 32 characters at most, which every format takes:
 /// other characters of an id become '_', and one that is too long or not unique ends with '.' and
