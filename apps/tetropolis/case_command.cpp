@@ -32,7 +32,8 @@ void tell(const CaseArguments& arguments, const OpenfoamCase& made, Console& con
                   made.first_cell, made.samples, options.sample_height, made.sample_spacing));
   if (made.shallow > 0)
     console.line(fmt::format(
-        "note     {} of {} cells on the ground are lower than {} times its roughness: the wind near "
+        "note     {} of {} cells on the ground are lower than {} times its roughness: the wind "
+        "near "
         "the ground comes out too fast; raise --mesh-size, or give the ground among the buildings "
         "its own --ground-roughness",
         made.shallow, made.ground_faces, kRoughnessLengths));

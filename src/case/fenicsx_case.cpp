@@ -137,14 +137,14 @@ void write_fenicsx_case(const fs::path& folder, const Wind& wind, bool overwrite
                   fmt::format("{}: is not there; mesh the city again with --formats xdmf",
                               (folder / name).string()));
   const auto to = direction(wind);
-  write_case_files(
-      folder,
-      {{"smoke.py",
-        [&] {
-          return replaced(kSmoke, {{"@X@", fmt::format("{:.6g}", wind.speed * to[0])},
-                                   {"@Y@", fmt::format("{:.6g}", wind.speed * to[1])}});
-        }}},
-      overwrite);
+  write_case_files(folder,
+                   {{"smoke.py",
+                     [&] {
+                       return replaced(kSmoke,
+                                       {{"@X@", fmt::format("{:.6g}", wind.speed * to[0])},
+                                        {"@Y@", fmt::format("{:.6g}", wind.speed * to[1])}});
+                     }}},
+                   overwrite);
 }
 
 }  // namespace tetropolis

@@ -38,9 +38,7 @@ struct FoamMesh {
         .subspan(static_cast<std::size_t>(face_start[f]),
                  static_cast<std::size_t>(face_start[f + 1] - face_start[f]));
   }
-  const Point3& point(std::int32_t p) const {
-    return points[static_cast<std::size_t>(p)];
-  }
+  const Point3& point(std::int32_t p) const { return points[static_cast<std::size_t>(p)]; }
   std::size_t cell_count = 0;
 };
 

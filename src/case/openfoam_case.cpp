@@ -116,8 +116,7 @@ std::unordered_map<std::int32_t, double> heights_on(const FoamMesh& mesh,
     double& height = heights[cell];
     const Plane& plane = found->second;
     for (const std::int32_t p : mesh.face(f))  // normals leave the cell
-      height =
-          std::max(height, -dot(minus(mesh.point(p), plane.point), plane.area) / plane.size);
+      height = std::max(height, -dot(minus(mesh.point(p), plane.point), plane.area) / plane.size);
   };
   for (std::size_t f = 0; f < mesh.faces(); ++f) {
     look(mesh.owner[f], f);

@@ -17,9 +17,8 @@ using Node = std::pair<std::int64_t, std::int64_t>;  // j, i
 
 /// Calls visit(j, i, z) for the nodes inside a triangle, seen from above.
 template <typename Visit>
-void for_each_node(const std::array<Point3, 3>& corners, double spacing,
-                   const Visit& visit) {
-  const Point3&a = corners[0], &b = corners[1], &c = corners[2];
+void for_each_node(const std::array<Point3, 3>& corners, double spacing, const Visit& visit) {
+  const Point3 &a = corners[0], &b = corners[1], &c = corners[2];
   const double twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
   if (twice == 0) return;
   const auto range = [&](std::size_t k) {

@@ -228,8 +228,8 @@ WindDomainFacts fit_wind_domain(const WindDomainOptions& options, double min_dis
     facts.inlet = inlet_of(city.domain, along);
   } else if (options.shape == DomainShape::kCylinder) {
     facts.guideline_radius = 0.5 * std::hypot(core.width(), core.height()) + kOutflow * height;
-    facts.radius = std::max(facts.guideline_radius,
-                            0.5 * frontal / (kMostBlockage * facts.guideline_height));
+    facts.radius =
+        std::max(facts.guideline_radius, 0.5 * frontal / (kMostBlockage * facts.guideline_height));
     facts.length = facts.width = 2 * facts.radius;
     city.domain = cylinder({0.5 * (core.xmin + core.xmax), 0.5 * (core.ymin + core.ymax)},
                            facts.radius, options.sectors);

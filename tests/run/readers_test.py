@@ -58,10 +58,13 @@ class Run:
         names = {number: name for name, (number, dimension) in meshio.read(self.out / "boundary.xdmf").field_data.items()
                  if dimension == 2}
         data = h5py.File(self.out / "boundary.h5")["MeshTags/boundary"]
+        rows = list(zip(data["topology"][:], data["patch"][:], data["building"][:]))
+        if not self.by_building:
+            rows = [(corners, number, -1) for corners, number, _ in rows]
         faces = {}
-        for corners, number, building in zip(data["topology"][:], data["patch"][:], data["building"][:]):
+        for corners, number, building in sorted(rows, key=lambda row: (row[2] >= 0, row[1], row[2])):
             name = names[number]
-            if self.by_building and building >= 0:
+            if building >= 0:
                 name += "_" + self.buildings[building]["tetropolis_id"]
             faces.setdefault(name, []).append(tuple(corners))
         return faces

@@ -34,11 +34,11 @@ struct WindDomainFacts {
   double guideline_blockage = 0;  ///< Frontal area of all buildings over width times height.
   double length = 0, width = 0;   ///< Along the wind and across, as made.
   double guideline_radius = 0, radius = 0;  ///< Of a cylinder, before widening and as made.
-  double blockage = 0;            ///< As made.
-  std::string inlet;              ///< Patch that the wind blows in through; of a box.
-  Bounds2 data = {};              ///< Where there are data, CRS coordinates.
-  double area_outside_data = 0;   ///< Share of the domain.
-  double rim_height = 0;          ///< Mean height of the data's rim, to which terrain fades.
+  double blockage = 0;                      ///< As made.
+  std::string inlet;                        ///< Patch that the wind blows in through; of a box.
+  Bounds2 data = {};                        ///< Where there are data, CRS coordinates.
+  double area_outside_data = 0;             ///< Share of the domain.
+  double rim_height = 0;  ///< Mean height of the data's rim, to which terrain fades.
 };
 
 /// Frontal area of the buildings for wind along the unit vector `along`: the area of the union of

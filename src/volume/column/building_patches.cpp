@@ -31,7 +31,8 @@ std::vector<std::string> plain_names(std::span<const Building> buildings) {
   std::vector<std::string> names;
   for (std::size_t b = 0; b < buildings.size(); ++b) {
     std::string name = buildings[b].id;
-    std::replace_if(name.begin(), name.end(), [](char c) { return !is_plain(c); }, '_');
+    std::replace_if(
+        name.begin(), name.end(), [](char c) { return !is_plain(c); }, '_');
     if (name.empty() || kPrefix + name.size() > kLongestName || !taken.insert(name).second) {
       const std::string number = fmt::format(".{}", b);  // no other name has a point
       name = name.substr(0, kLongestName - kPrefix - number.size()) + number;
@@ -62,15 +63,13 @@ SurfaceMesh divide_by_building(const SurfaceMesh& boundary, std::span<const Buil
       number[b] = next++;
       result.patches.add({static_cast<Patch>(number[b]), prefix + names[b], kind});
     }
-    for_each_face([&](std::size_t f, std::int32_t own) {
-      result.patch[f] = static_cast<Patch>(own);
-    });
+    for_each_face(
+        [&](std::size_t f, std::int32_t own) { result.patch[f] = static_cast<Patch>(own); });
   }
   std::vector<std::size_t> order(result.patch.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return result.patch[a] < result.patch[b];
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return result.patch[a] < result.patch[b]; });
   const auto sort = [&](auto& values) {
     if (values.empty()) return;
     auto sorted = values;

@@ -40,8 +40,7 @@ TEST(BuildingPatches, HaveTheFacesOfTheirBuilding) {
   std::map<std::string, std::set<Face>> expected, found;
   for (std::size_t f = 0; f < whole.triangles.size(); ++f) {
     std::string name = whole.patch_of(f).name;
-    if (whole.building[f] != kNoBuilding)
-      name += "_b" + std::to_string(whole.building[f].value());
+    if (whole.building[f] != kNoBuilding) name += "_b" + std::to_string(whole.building[f].value());
     expected[name].insert({whole.triangles[f], whole.cell[f]});
   }
   for (std::size_t f = 0; f < divided.triangles.size(); ++f) {
