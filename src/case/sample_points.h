@@ -1,7 +1,6 @@
 // Points above the ground where people are.
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "foam_mesh.h"
