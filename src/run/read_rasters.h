@@ -29,7 +29,8 @@ RasterHeaders read_raster_headers(const Config& config);
 std::string system_without_points(const RasterHeaders& rasters, const FootprintsInput& footprints,
                                   std::vector<Warning>& warnings);
 
-/// In `box` (CRS coordinates; empty: all). Pixels without value take the nearest one, with a warning
+/// In `box` (CRS coordinates; empty: all). Pixels without value take the nearest one, with a
+/// warning
 /// ("raster_filled"). Errors: those of read_elevations.
 TerrainInput read_terrain(const Config& config, const RasterHeaders& rasters,
                           const std::string& crs, const Bounds2& box, Point2 origin,
