@@ -65,7 +65,7 @@ TEST(BuildingPatches, HaveNamesThatEveryFormatTakes) {
               std::string::npos)
         << info.name;
   }
-  EXPECT_TRUE(names.contains("roof_NL_IMBAG_Pand_050310000.0"));
+  EXPECT_TRUE(names.contains("roof_NL_IMBAG_Pand_05031000000.0"));
   EXPECT_TRUE(names.contains("wall_way_7__a_"));
 }
 
