@@ -32,6 +32,7 @@
 #include "tetropolis/io/mesh/vtkhdf.h"
 #include "tetropolis/io/mesh/xdmf.h"
 #include "tetropolis/run/in_memory.h"
+#include "tetropolis/volume/column/building_patches.h"
 #include "tetropolis/volume/column/explicit_mesh.h"
 
 #include "arrays.h"
