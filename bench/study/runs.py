@@ -84,7 +84,8 @@ class Bench:
 
     @staticmethod
     def inputs(source):
-        return ["--footprints", source / "footprints.shp", "--points", source / "points.laz"]
+        return ["--footprints", source / "footprints.shp", "--points", source / "points.laz",
+                "--lod", "block"]  # as in the paper
 
     def mesh(self, folder, mesh_size, layering="graded", threads=0, repeat=None):
         """Step 3 on a folder made by city()."""

@@ -8,19 +8,11 @@
 
 #include "tetropolis/geometry/polygon.h"
 
+#include "geometry/predicates.h"
+
 namespace tetropolis {
 
-namespace {
-
-/// Whether each of the segments a-b and c-d has its ends on both sides of the other.
-bool cross(Point2 a, Point2 b, Point2 c, Point2 d) {
-  const auto side = [](Point2 p, Point2 q, Point2 r) {
-    return (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
-  };
-  return (side(a, b, c) > 0) != (side(a, b, d) > 0) && (side(c, d, a) > 0) != (side(c, d, b) > 0);
-}
-
-}  // namespace
+namespace {}  // namespace
 
 bool Domain::is_meshable() const {
   return std::isfinite(box_.xmin) && std::isfinite(box_.ymin) && std::isfinite(box_.xmax) &&
@@ -80,7 +72,7 @@ DomainPosition Domain::position_of(const Polygon& polygon) const {
     const std::vector<Side> own = sides();
     bool crosses = false;
     for_each_edge({polygon.outer, {}}, [&](Point2 a, Point2 b) {
-      for (const Side& side : own) crosses = crosses || cross(a, b, side.from, side.to);
+      for (const Side& side : own) crosses = crosses || segments_cross(a, b, side.from, side.to);
     });
     const auto& outer = polygon.outer;
     if (!crosses && std::all_of(outer.begin(), outer.end(), is_inside))

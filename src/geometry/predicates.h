@@ -56,6 +56,11 @@ inline int orient2d(Point2 a, Point2 b, Point2 c) {
   return predicates::orient2d_exact(a, b, c);
 }
 
+/// Whether each of the segments a-b and c-d has its ends strictly on both sides of the other.
+inline bool segments_cross(Point2 a, Point2 b, Point2 c, Point2 d) {
+  return orient2d(a, b, c) * orient2d(a, b, d) < 0 && orient2d(c, d, a) * orient2d(c, d, b) < 0;
+}
+
 /// For a, b, c counter-clockwise: 1 if d is strictly inside their circle, -1 if outside, 0 if the
 /// four are cocircular. The sign flips if a, b, c are clockwise.
 inline int incircle(Point2 a, Point2 b, Point2 c, Point2 d) {

@@ -13,12 +13,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "tetropolis/city/city_model.h"
 #include "tetropolis/city/extract.h"
 #include "tetropolis/city/heights.h"
 #include "tetropolis/city/roof_summary.h"
 #include "tetropolis/city/simplify/clearance.h"
 #include "tetropolis/city/simplify/simplify.h"
-#include "tetropolis/city/stated_heights.h"
 #include "tetropolis/core/row_major.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/terrain/dtm.h"
@@ -352,7 +352,8 @@ void leave_out_unbuilt(const BuildCityOptions& options, const PointCloud& cloud,
   if (unbuilt.empty()) return;
   for (const std::size_t b : unbuilt)
     for (const std::string& id : buildings[b].source_ids)
-      raw.dropped.push_back({id, "the points measure ground in it and no roof", kNotABuilding});
+      raw.dropped.push_back(
+          {id, "the points measure ground in it and no roof", DropCause::kNotABuilding});
   erase_rows(unbuilt, buildings);
   erase_rows(unbuilt, sources.basis);
   erase_rows(unbuilt, sources.points.by_exclusion);

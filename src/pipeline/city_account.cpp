@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "tetropolis/city/stated_heights.h"
+#include "tetropolis/city/city_model.h"
 #include "tetropolis/core/error.h"
 
 namespace tetropolis {
@@ -65,8 +65,6 @@ FootprintAccount account_of(const InputFacts& input, const CityModel& model) {
     (members == 1 ? account.kept : account.merged) += members;
   }
   for (const Dropped& dropped : model.dropped) {
-    account.no_building += dropped.cause == kNotABuilding ? 1 : 0;
-    account.outlined += dropped.cause == kOutlined ? 1 : 0;
     switch (dropped.cause) {
       case DropCause::kUnusable:
         ++account.unusable;
@@ -82,6 +80,12 @@ FootprintAccount account_of(const InputFacts& input, const CityModel& model) {
         break;
       case DropCause::kTooNarrow:
         ++account.too_narrow;
+        break;
+      case DropCause::kNotABuilding:
+        ++account.no_building;
+        break;
+      case DropCause::kOutlined:
+        ++account.outlined;
         break;
     }
   }

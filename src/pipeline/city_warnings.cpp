@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "tetropolis/city/city_model.h"
 #include "tetropolis/city/heights.h"
-#include "tetropolis/city/stated_heights.h"
 #include "tetropolis/geometry/polygon.h"
 
 namespace tetropolis {

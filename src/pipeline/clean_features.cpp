@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "tetropolis/city/city_model.h"
 #include "tetropolis/city/clean.h"
-#include "tetropolis/city/stated_heights.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/clip.h"

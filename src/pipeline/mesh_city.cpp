@@ -277,7 +277,7 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
       result.warnings.push_back(
           {"parts_left_out", static_cast<std::int64_t>(blocks.size()),
            "buildings have parts, but are meshed as blocks: layering = \"graded\" and a flat top "
-           "keep the parts"});
+           "keep the parts, lod = \"block\" makes none"});
   }
   terrain.x0 = in_crs(terrain.x0, origin.x);
   terrain.y0 = in_crs(terrain.y0, origin.y);

@@ -8,8 +8,6 @@
 
 #include <gtest/gtest.h>
 
-#include "tetropolis/city/stated_heights.h"
-
 #include "support/test_data.h"
 
 namespace tetropolis {

@@ -74,6 +74,7 @@ void make_city(const fs::path& footprints, const std::vector<fs::path>& points,
   Config config;
   config.footprints = {footprints};
   for (const fs::path& path : points) config.points.push_back(path);
+  config.lod = Lod::kBlock;
   config.out = out;
   run_city(config);
 }
@@ -240,6 +241,7 @@ TEST(QualityFloor, FoundByTheSurvey) {
     build.top = c.top;
     build.boundary_buildings = c.boundary;
     build.bounds = c.bounds;
+    build.lod = Lod::kBlock;
     build.out = folder / "out";
     expect_good_angles(*run_build(build).volume_mesh);
   }

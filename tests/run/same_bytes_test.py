@@ -18,17 +18,18 @@ SUMS = pathlib.Path(__file__).with_name("same_bytes.txt")
 FILES = ("volume.vtu", "boundary.vtp", "surface.stl", "dtm.tif", "city_raw.city.json", "city.city.json")
 DELFT = "--footprints delft_3dfier/footprints.shp --points delft_3dfier/ahn3_cropped_1.laz " \
         "delft_3dfier/ahn3_cropped_2.laz"
+BLOCK = " --lod block"
 REAL = {  # paths in TETROPOLIS_DATA
-    "delft10": DELFT,
-    "delft5": DELFT + " --mesh-size 5",
-    "delft22": DELFT + " --lod 2.2",
-    "amsterdam": "--footprints amsterdam_south/footprints.shp --points amsterdam_south/ahn3",
+    "delft10": DELFT + BLOCK,
+    "delft5": DELFT + " --mesh-size 5" + BLOCK,
+    "delft22": DELFT,
+    "amsterdam": "--footprints amsterdam_south/footprints.shp --points amsterdam_south/ahn3" + BLOCK,
     "alexandria": "--footprints alexandria_dsm_dtm/footprints.shp "
-                  "--points alexandria_dsm_dtm/pseudo_points_from_dsm_dtm.las",
+                  "--points alexandria_dsm_dtm/pseudo_points_from_dsm_dtm.las" + BLOCK,
 }
 SYNTHETIC = {  # arguments of synth, and of build
-    "demo": ("--kind blocks --size 500 --seed 7", "--id-attribute id --mesh-size 10"),
-    "random": ("--buildings 3096 --size 2500 --point-density 1", ""),
+    "demo": ("--kind blocks --size 500 --seed 7", "--id-attribute id --mesh-size 10" + BLOCK),
+    "random": ("--buildings 3096 --size 2500 --point-density 1", BLOCK),
 }
 
 

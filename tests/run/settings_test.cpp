@@ -838,6 +838,7 @@ TEST_P(Settings, HasItsEffect) {
   Village village;
   Config config;
   config.id_attribute = "id";
+  config.lod = Lod::kBlock;
   setting.given(village, config);
   village.write(scratch.path(), config);
   const Config plain = config;

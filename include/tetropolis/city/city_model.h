@@ -25,6 +25,8 @@ enum BuildingFlag : std::uint32_t {
   kRepaired = 1U << 7,              ///< Rings were invalid and have been repaired, or
                                     ///< simplification moved the outline (simplify.h).
   kClipped = 1U << 8,               ///< Cut at the domain boundary.
+  kRoofFromFloors = 1U << 9,        ///< Height from a number of floors.
+  kDefaultHeight = 1U << 10,        ///< Nothing stated: the default height.
 };
 
 /// The flags' names in files and reports, in bit order ("ground_from_dtm", ...).
@@ -96,14 +98,17 @@ struct Building {
 
 /// Why an input feature ended in no building, for counts and maps.
 enum class DropCause : std::uint8_t {
-  kUnusable,   ///< No polygon, or one that cannot be repaired.
-  kOutside,    ///< Outside the domain.
-  kBoundary,   ///< Across the domain's boundary, or mostly beyond the points.
-  kTooSmall,   ///< Smaller than the minimum area.
-  kTooNarrow,  ///< Nowhere as wide as the distance that walls have to keep.
+  kUnusable,      ///< No polygon, or one that cannot be repaired.
+  kOutside,       ///< Outside the domain.
+  kBoundary,      ///< Across the domain's boundary, or mostly beyond the points.
+  kTooSmall,      ///< Smaller than the minimum area.
+  kTooNarrow,     ///< Nowhere as wide as the distance that walls have to keep.
+  kNotABuilding,  ///< Below ground or not built: by attributes, or as ground was measured in it.
+  kOutlined,      ///< An outline for which its parts stand.
 };
 
-/// The name in files: "unusable", "outside", "boundary", "too_small", "too_narrow".
+/// The name in files: "unusable", "outside", "boundary", "too_small", "too_narrow", "no_building",
+/// "outlined".
 const char* name_of(DropCause cause);
 
 /// An input feature that ended in no building, and why (one short clause, lower case).

@@ -73,8 +73,8 @@ struct BuildCityOptions {
   HeightOptions heights = {};
   double default_height = 6;  ///< Metres, > 0: of footprints that state no height, without points.
   SimplifyOptions simplify =
-      {};                 ///< min_distance, min_area and parallel_tolerance hold for 1.4, too.
-  Lod lod = Lod::kBlock;  ///< Of roofs; RoofOptions follow from it and the options above.
+      {};               ///< min_distance, min_area and parallel_tolerance hold for 1.4, too.
+  Lod lod = Lod::k2_2;  ///< Of roofs; RoofOptions follow from it and the options above.
   double max_bytes = std::numeric_limits<double>::infinity();  ///< Memory of the process.
 };
 

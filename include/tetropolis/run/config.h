@@ -72,7 +72,7 @@ struct Config {
   double outlier_sigma = 2;
   double ground_percentile = 10;
   double roof_percentile = 70;
-  Lod lod = Lod::kBlock;
+  Lod lod = Lod::k2_2;
   double min_building_height = 2.5;
   double min_building_distance = 1;
   int merge_growths = 3;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -34,10 +35,10 @@ Place place(Point2 p) { return {p.x, p.y}; }
 
 /// The lines of parts; region k is part k. `outline`: the footprint's, of corners alone.
 Partition lines_of(const Building& building, const Polygon& outline, double clearance) {
-  std::map<Place, bool> corners;
-  for_each_edge(outline, [&](Point2 p, Point2) { corners[place(p)] = true; });
-  std::map<Place, bool> on_outline;
-  for_each_edge(building.footprint, [&](Point2 p, Point2) { on_outline[place(p)] = true; });
+  std::set<Place> corners;
+  for_each_edge(outline, [&](Point2 p, Point2) { corners.insert(place(p)); });
+  std::set<Place> on_outline;
+  for_each_edge(building.footprint, [&](Point2 p, Point2) { on_outline.insert(place(p)); });
   Partition lines(bounds(building.footprint), clearance);
   std::map<Place, NodeId> nodes;
   std::map<std::pair<NodeId, NodeId>, Partition::Region> left;

@@ -28,10 +28,6 @@ bool is_among(std::size_t id, std::span<const std::size_t> ids) {
   return std::find(ids.begin(), ids.end(), id) != ids.end();
 }
 
-bool cross(Point2 p, Point2 q, Point2 a, Point2 b) {
-  return orient2d(p, q, a) * orient2d(p, q, b) < 0 && orient2d(a, b, p) * orient2d(a, b, q) < 0;
-}
-
 bool touch(Point2 p, Point2 q, Point2 a, Point2 b) {
   return distance_to_segment(a, p, q) < kTouch || distance_to_segment(b, p, q) < kTouch ||
          distance_to_segment(p, a, b) < kTouch || distance_to_segment(q, a, b) < kTouch;
@@ -120,7 +116,7 @@ bool Partition::is_free(Point2 p, Point2 q, NodeId n, NodeId m,
     else if (edge.has(m))
       free = !overlap(q, p, at(edge.other(m)));
     else
-      free = !cross(p, q, at(edge.a), at(edge.b)) && !touch(p, q, at(edge.a), at(edge.b));
+      free = !segments_cross(p, q, at(edge.a), at(edge.b)) && !touch(p, q, at(edge.a), at(edge.b));
   });
   return free;
 }

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/city/stated_heights.h"
+#include "tetropolis/city/city_model.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "core/text.h"
@@ -166,7 +166,7 @@ void put_parts_for_outlines(const std::vector<bool>& parts, FootprintsInput& inp
     }
     if (rest.empty()) {
       input.dropped.push_back(
-          {{feature.source_id, "its parts stand for it", kOutlined}, feature.feature});
+          {{feature.source_id, "its parts stand for it", DropCause::kOutlined}, feature.feature});
       continue;
     }
     // Of several pieces the first keeps the id.

@@ -30,8 +30,8 @@ class MarkReader {
 };
 
 /// Where parts lie in a building's outline, they stand for it: an outline that they cover is
-/// dropped (kOutlined), of others what no part covers is left. Parts without a height take that of
-/// the outline. `parts[i]`: whether input.features[i] is a part.
+/// dropped (DropCause::kOutlined), of others what no part covers is left. Parts without a height
+/// take that of the outline. `parts[i]`: whether input.features[i] is a part.
 void put_parts_for_outlines(const std::vector<bool>& parts, FootprintsInput& input);
 
 }  // namespace tetropolis

@@ -16,7 +16,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "tetropolis/city/stated_heights.h"
+#include "tetropolis/city/city_model.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/crs/crs.h"
 #include "tetropolis/io/crs/datum.h"
@@ -242,7 +242,7 @@ class LayerReader {
     FeatureMarks marks = marks_.read(feature);
     if (!marks.below_ground.empty()) {
       ++below_ground_;
-      drop(ids_.unique(id), std::move(marks.below_ground), row, kNotABuilding);
+      drop(ids_.unique(id), std::move(marks.below_ground), row, DropCause::kNotABuilding);
       return;
     }
     const StatedHeight height = heights_.read(feature, id);

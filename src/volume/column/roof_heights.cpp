@@ -20,6 +20,11 @@ double steepness(const RoofPlane& roof) {
 /// Of a step beside the roof, metres.
 double least_step(const RoofPlane& roof) { return kLeastStep * std::max(1.0, steepness(roof) / 2); }
 
+/// Steps at a vertex between roofs that need not have a common wall there, with an own bound for
+/// edges: those that a triangle around the vertex reaches across further than this many times meet,
+/// up to a height in metres. Cells over such a triangle are about as sharp as 1 / 6 (9.5 degrees).
+constexpr double kMostReachPerStep = 6, kMostClosed = 0.75;
+
 /// Elevations of the parts around some vertices, while they are changed.
 class Floors {
  public:
@@ -48,6 +53,7 @@ class Floors {
                          [&](const RoofFloor& floor) { return floor.part == part; });
   }
   static void join(Row& row, double a, double b);
+  double reach(Row& row, double z) const;
   std::vector<RegionIndex> fan(VertexIndex v) const;
 
   void find_rises();
@@ -109,6 +115,23 @@ void Floors::join(Row& row, double a, double b) {
   }
 }
 
+/// How far triangles around the vertex with a floor at most at `z` there, or on open ground, reach
+/// from it to the opposite side, metres.
+double Floors::reach(Row& row, double z) const {
+  double furthest = 0;
+  for (const TriangleIndex t : triangles_around(edges_, {&row.vertex, 1})) {
+    const RegionIndex region = mesh_.region[t];
+    if (shaped_[region] != 0 && of(row, region).z > z) continue;
+    const auto& v = mesh_.triangles[t];
+    const std::size_t i = v[0] == row.vertex ? 0 : v[1] == row.vertex ? 1 : 2;
+    const Point2 p = mesh_.vertices[row.vertex], q = mesh_.vertices[v[(i + 1) % 3]],
+                 r = mesh_.vertices[v[(i + 2) % 3]];
+    const double twice_area = (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
+    furthest = std::max(furthest, twice_area / std::hypot(r.x - q.x, r.y - q.y));
+  }
+  return furthest;
+}
+
 void Floors::close_small_steps() {
   for (Row& row : rows_) {
     std::vector<const RoofFloor*> by_height;
@@ -122,7 +145,9 @@ void Floors::close_small_steps() {
         const RoofFloor &below = *by_height[i - 1], &above = *by_height[i];
         const double step = above.z - below.z;
         if (!(step > 0 && step < least)) continue;
-        if (!(step < std::max(least_step_[below.part], least_step_[above.part]))) continue;
+        if (!(step < std::max(least_step_[below.part], least_step_[above.part])) &&
+            !(step < kMostClosed && reach(row, below.z) > kMostReachPerStep * step))
+          continue;
         least = step;
         low = below.z;
         high = above.z;

@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/city/stated_heights.h"
+#include "tetropolis/city/city_model.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/geometry/types.h"
 
@@ -330,7 +330,7 @@ class Assembly {
     const bool tagged = is_building(relation);
     if (group && members.empty()) {
       if (has_parts(relation))
-        lose(relation, "has no outline: its parts stand for it", kOutlined);
+        lose(relation, "has no outline: its parts stand for it", DropCause::kOutlined);
       else if (tagged)
         lose(relation, "a relation without an outline");
       return;

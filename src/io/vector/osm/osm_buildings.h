@@ -26,8 +26,8 @@ struct OsmBuildings {
 /// Multipolygons are put together from their ways by these ends; rings within others are their
 /// holes, whatever their roles. A relation that has no tag of its own has those of its outer way.
 /// An outer way of a relation that is an area is no area of its own. A relation of type building
-/// without an outline is `lost` with the cause kOutlined if it has parts. The same account whatever
-/// the format. Errors: those of read_osm.
+/// without an outline is `lost` with the cause DropCause::kOutlined if it has parts. The same
+/// account whatever the format. Errors: those of read_osm.
 OsmBuildings read_osm_buildings(const std::filesystem::path& path);
 
 }  // namespace tetropolis
