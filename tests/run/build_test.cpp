@@ -16,6 +16,7 @@
 #include <sys/stat.h>
 
 #include "tetropolis/check/check_results.h"
+#include "tetropolis/city/raise_roofs.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/cityjson/cityjson.h"
 #include "tetropolis/io/mesh/vtk.h"
@@ -171,6 +172,7 @@ TEST_F(Build, AnUnfinishedSolveIsToldAndStillValid) {
 
 TEST_F(Build, CheckFindsFootprintsThatAreNotInTheMesh) {
   Config config = city(SynthKind::kRandom, 10, 150, 4);
+  config.lod = Lod::kBlock;
   config.mesh_size = 20;
   for (const Coordinates coordinates : {Coordinates::kLocal, Coordinates::kAbsolute}) {
     SCOPED_TRACE(static_cast<int>(coordinates));
@@ -281,7 +283,7 @@ TEST_F(Build, XdmfIsCheckedLikeVtk) {
   EXPECT_TRUE(good.empty());
   // Another city's model beside it: everything that the volume should stand on is elsewhere.
   CityModel model = read_city(out / "city.city.json");
-  for (Building& building : model.buildings) building.h_roof += 1;
+  for (Building& building : model.buildings) raise_roof(building, 1);
   write_city(out / "city.city.json", model);
   EXPECT_FALSE(checked(out).second.empty());
 }
@@ -317,7 +319,9 @@ TEST_F(Build, MeshesJoinTheCityModelInItsFolder) {
 }
 
 TEST_F(Build, MeshLeavesOutBuildingsOfOthersThatDoNotFit) {
-  run_city(city(SynthKind::kRandom, 10, 150, 4));
+  Config blocks = city(SynthKind::kRandom, 10, 150, 4);
+  blocks.lod = Lod::kBlock;
+  run_city(blocks);
   const RasterInput terrain = read_raster(scratch / "out/dtm.tif", {0, 0});
   write_raster(scratch / "foreign.tif", terrain.raster, {0, 0}, terrain.crs);
   nlohmann::json model = nlohmann::json::parse(bytes_of(scratch / "out/city.city.json"));
@@ -813,7 +817,8 @@ TEST(Docs, NameThePatches) {
 void collect_keys(const nlohmann::json& value, const std::string& path,
                   std::set<std::string>& keys) {
   static const std::set<std::string> maps{"config", "input.points_by_class", "city.flags",
-                                          "city.resorts", "surface_mesh.faces_by_patch"};
+                                          "city.resorts", "city.roofs.parts_by_lod",
+                                          "surface_mesh.faces_by_patch"};
   if (maps.contains(path)) {
     keys.insert(path);
   } else if (value.is_object()) {

@@ -1,5 +1,6 @@
 // Roofs that slope, meet, cross and step, over parts that lie anyhow.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <utility>
@@ -197,6 +198,40 @@ TEST(SlopedRoofs, FlatRoofsHaveNoLevels) {
   const SlopedParts city(9, 1, 0, random);
   EXPECT_TRUE(city.plan.roofs.all_flat());
   EXPECT_TRUE(city.mesh.levels.empty());
+}
+
+/// Two roofs that touch at the corner of a third alone: the line between them has no pieces, so
+/// nothing shortens the edges of 4 m there.
+TEST(SlopedRoofs, NearRoofsAtTheCornerOfAThirdMeetWhereTrianglesAreLong) {
+  for (const double step : {0.2, 0.4, 0.7, 0.8, 2.0}) {
+    SCOPED_TRACE(step);
+    const std::vector<RoofPlane> planes{{{0, 0}, 10, 0, 0}, {{0, 0}, 10 + step, 0, 0}, {{0, 0}, 15, 0, 0}};
+    GroundMesh ground;
+    for (int p = 0; p < 3; ++p)
+      ground.regions.push_back({RegionKind::kBuildingPart, BuildingIndex(0), p, Patch::kRoof});
+    ground.regions.push_back({});
+    const auto at = [](int i, int j) { return VertexIndex(3 * j + i); };
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i) ground.vertices.push_back({4.0 * i, 4.0 * j});
+    // From the south-west: open ground, the second roof; the first one, the third.
+    const std::array<std::array<int, 2>, 2> regions{{{3, 1}, {0, 2}}};
+    for (int j = 0; j < 2; ++j)
+      for (int i = 0; i < 2; ++i) {
+        ground.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+        ground.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+        for (int k = 0; k < 2; ++k)
+          ground.region.push_back(
+              RegionIndex(regions[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)]));
+      }
+    const ReconciledRoofs met = reconcile_roofs(ground, build_edge_graph(ground), planes);
+    // Triangles reach 4 m from the corner. A cell over one is as sharp as the step over this.
+    const bool is_thin = step < kLeastStep || (step < 0.75 && step < 4.0 / 6);
+    EXPECT_EQ(met.closed, is_thin ? 1 : 0);
+    const VertexIndex corner = at(1, 1);
+    EXPECT_NEAR(met.roofs.at(RegionIndex(1), corner) - met.roofs.at(RegionIndex(0), corner),
+                is_thin ? 0 : step, 1e-9);
+    EXPECT_EQ(met.roofs.at(RegionIndex(2), corner), 15);
+  }
 }
 
 TEST(SlopedRoofs, PartyLinesHaveAVertexWhereRoofsCrossAndShortEdgesAtLowSteps) {
