@@ -370,7 +370,7 @@ TEST_F(Cli, CheckSaysWhatIsNoReport) {
 
 TEST_F(Cli, CheckComparesTheModelsAndTheReport) {
   synth("--buildings 20 --size 250");
-  ASSERT_EQ(run("city --quiet --footprints input/footprints.shp --points input --out result").code,
+  ASSERT_EQ(run("city --quiet --lod block --footprints input/footprints.shp --points input --out result").code,
             0);
   ASSERT_EQ(run("check result").code, 0);
   const auto changed = [&](const char* file, const char* what, const char* by,
@@ -417,8 +417,8 @@ TEST_F(Cli, CheckComparesTheModelsAndTheReport) {
           "clearance differs from report.json");
   changed("report.json", "\"area_after\": *[0-9]", "\"area_after\":9",
           "area of footprints differs from report.json");
-  ASSERT_EQ(run("build --quiet --footprints input/footprints.shp --points input --mesh-size 20 "
-                "--out result")
+  ASSERT_EQ(run("build --quiet --lod block --footprints input/footprints.shp --points input "
+                "--mesh-size 20 --out result")
                 .code,
             0);
   ASSERT_EQ(run("check result").code, 0);
