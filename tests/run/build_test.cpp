@@ -816,9 +816,9 @@ TEST(Docs, NameThePatches) {
 /// Keys of a report as docs/report.md writes them: "a.b[].c"; members of maps are left out.
 void collect_keys(const nlohmann::json& value, const std::string& path,
                   std::set<std::string>& keys) {
-  static const std::set<std::string> maps{"config", "input.points_by_class", "city.flags",
-                                          "city.resorts", "city.roofs.parts_by_lod",
-                                          "surface_mesh.faces_by_patch"};
+  static const std::set<std::string> maps{
+      "config",       "input.points_by_class",   "city.flags",
+      "city.resorts", "city.roofs.parts_by_lod", "surface_mesh.faces_by_patch"};
   if (maps.contains(path)) {
     keys.insert(path);
   } else if (value.is_object()) {

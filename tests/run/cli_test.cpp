@@ -370,8 +370,10 @@ TEST_F(Cli, CheckSaysWhatIsNoReport) {
 
 TEST_F(Cli, CheckComparesTheModelsAndTheReport) {
   synth("--buildings 20 --size 250");
-  ASSERT_EQ(run("city --quiet --lod block --footprints input/footprints.shp --points input --out result").code,
-            0);
+  ASSERT_EQ(
+      run("city --quiet --lod block --footprints input/footprints.shp --points input --out result")
+          .code,
+      0);
   ASSERT_EQ(run("check result").code, 0);
   const auto changed = [&](const char* file, const char* what, const char* by,
                            const std::string& violation) {

@@ -205,7 +205,8 @@ TEST(SlopedRoofs, FlatRoofsHaveNoLevels) {
 TEST(SlopedRoofs, NearRoofsAtTheCornerOfAThirdMeetWhereTrianglesAreLong) {
   for (const double step : {0.2, 0.4, 0.7, 0.8, 2.0}) {
     SCOPED_TRACE(step);
-    const std::vector<RoofPlane> planes{{{0, 0}, 10, 0, 0}, {{0, 0}, 10 + step, 0, 0}, {{0, 0}, 15, 0, 0}};
+    const std::vector<RoofPlane> planes{
+        {{0, 0}, 10, 0, 0}, {{0, 0}, 10 + step, 0, 0}, {{0, 0}, 15, 0, 0}};
     GroundMesh ground;
     for (int p = 0; p < 3; ++p)
       ground.regions.push_back({RegionKind::kBuildingPart, BuildingIndex(0), p, Patch::kRoof});
