@@ -348,8 +348,8 @@ std::vector<ConfigField> make_fields() {
        .group = "City model",
        .member = choice<&C::lod>(),
        .commands = kData,
-       .help = "Roofs: 2.2: roof planes where the points carry them; 1.3: flat parts a metre or "
-               "more apart; 1.2: one flat part per footprint; block: one flat block per building",
+       .help = "Roofs: planes where the points carry them (2.2), flat parts a metre or more apart "
+               "(1.3), one flat part per footprint (1.2), one flat block per building (block)",
        .common = true,
        .choices = {"block", "1.2", "1.3", "2.2"}},
       {.name = "min_building_height",
