@@ -32,7 +32,7 @@ def city(program, folder, form, *more):
     """Street blocks on a sloping terrain, meshed."""
     run(program, "synth", folder / "input", "--kind", "blocks", "--size", 300, "--seed", 3, "--quiet")
     run(program, "build", folder / "input/footprints.shp", folder / "input", folder / "city", "--formats", form,
-        "--domain-height", 60, "--mesh-size", 15, "--no-html", "--quiet", *more)
+        "--domain-height", 60, "--mesh-size", 15, "--lod", "block", "--no-html", "--quiet", *more)
     return folder / "city"
 
 

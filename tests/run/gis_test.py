@@ -26,7 +26,7 @@ def make_city(program, folder):
     domain = json.loads((folder / "in" / "report.json").read_text())["domain"]
     domain[3] -= 120
     subprocess.run([program, "city", "--footprints", folder / "in" / "footprints.shp", "--points",
-                    folder / "in", "--id-attribute", "id", "--min-building-area", "60",
+                    folder / "in", "--id-attribute", "id", "--min-building-area", "60", "--lod", "block",
                     "--bounds", ",".join(map(str, domain)), "--out", folder / "out", "--quiet"], check=True)
     return folder / "out", json.loads((folder / "out" / "report.json").read_text())
 

@@ -34,7 +34,7 @@ class Run:
             subprocess.run([program, "synth", "--kind", "blocks", "--size", "300", "--seed", "7", "--point-density",
                             "1", "--out", folder / "in", "--quiet"], check=True)
         subprocess.run([program, "build", "--footprints", folder / "in" / "footprints.shp", "--points", folder / "in",
-                        "--id-attribute", "id", "--mesh-size", "15", "--formats", FORMATS, "--out", self.out,
+                        "--id-attribute", "id", "--mesh-size", "15", "--lod", "block", "--formats", FORMATS, "--out", self.out,
                         "--quiet", *options], check=True)
         self.report = json.loads((self.out / "report.json").read_text())
         model = json.loads((self.out / "city.city.json").read_text())
