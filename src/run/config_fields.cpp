@@ -492,8 +492,9 @@ std::vector<ConfigField> make_fields() {
        .group = "Mesh",
        .member = &C::boundary_layers,
        .commands = kMeshing,
-       .help = "Layers of prisms over open ground, below the tets; thinner at low walls. Only some "
-               "formats have prisms",
+       .help =
+           "Layers of prisms over open ground, below the tets; thinner at low walls. All formats "
+           "but xdmf have prisms",
        .min = 0,
        .max = 100},
       {.name = "first_layer",

@@ -137,19 +137,13 @@ void refuse_mistaken_files(const Config& config) {
 }
 
 void refuse_formats(const Config& config) {
-  constexpr std::array<std::string_view, 7> kTetsOnly{"xdmf", "msh",    "msh2", "vtkhdf",
-                                                      "cgns", "fluent", "su2"};
-  if (config.boundary_layers == 0) return;
-  std::vector<std::string> refused;
-  for (const std::string& format : config.formats)
-    if (std::find(kTetsOnly.begin(), kTetsOnly.end(), format) != kTetsOnly.end())
-      refused.push_back(format);
-  if (!refused.empty())
-    throw Error(
-        ErrorKind::kUsage,
-        fmt::format("formats: {} cannot hold the prisms of boundary_layers = {}; use vtu or "
-                    "openfoam",
-                    fmt::join(refused, ", "), config.boundary_layers));
+  if (config.boundary_layers == 0 ||
+      std::find(config.formats.begin(), config.formats.end(), "xdmf") == config.formats.end())
+    return;
+  throw Error(ErrorKind::kUsage,
+              fmt::format("formats: xdmf cannot hold the prisms of boundary_layers = {}; use vtu, "
+                          "vtkhdf or another one",
+                          config.boundary_layers));
 }
 
 void refuse_degree_bounds(const Config& config, const std::string& crs, const Bounds2& data) {

@@ -4,6 +4,7 @@
     readers_test.py PROGRAM meshio     VTU, XDMF, MSH, SU2, STL, OBJ
     readers_test.py PROGRAM cgns       cgnscheck of the CGNS library, and HDF5
     readers_test.py PROGRAM foam       OpenFOAM's fluent3DMeshToFoam, gmshToFoam and checkMesh on Fluent's format and MSH 2.2
+    readers_test.py PROGRAM prisms     meshes with layers of prisms: VTK HDF, MSH, SU2, CGNS, Fluent by the same programs
     readers_test.py PROGRAM trimesh    STL, OBJ, PLY, GLB
     readers_test.py PROGRAM gltf       the glTF validator of Khronos, and three.js, on GLB
 
@@ -28,14 +29,14 @@ FORMATS = "vtu,xdmf,msh,msh2,vtkhdf,cgns,fluent,su2,obj,ply,glb"
 class Run:
     """A small city on hills, by its report and city model."""
 
-    def __init__(self, program, folder, *options):
+    def __init__(self, program, folder, *options, formats=FORMATS):
         self.out = folder / "out"
         if not (folder / "in").exists():
             subprocess.run([program, "synth", "--kind", "blocks", "--size", "300", "--seed", "7", "--point-density",
                             "1", "--out", folder / "in", "--quiet"], check=True)
         subprocess.run([program, "build", "--footprints", folder / "in" / "footprints.shp", "--points", folder / "in",
-                        "--id-attribute", "id", "--mesh-size", "15", "--lod", "block", "--formats", FORMATS, "--out", self.out,
-                        "--quiet", *options], check=True)
+                        "--id-attribute", "id", "--mesh-size", "15", "--lod", "block", "--formats", formats,
+                        "--out", self.out, "--quiet", *options], check=True)
         self.report = json.loads((self.out / "report.json").read_text())
         model = json.loads((self.out / "city.city.json").read_text())
         self.buildings = [thing["attributes"] for thing in model["CityObjects"].values()]
@@ -159,30 +160,73 @@ def check_cgns(run):
         assert np.array_equal(zone[f"{name}/ElementConnectivity/ data"][:].reshape(-1, 3) - 1, faces), name
 
 
+def foam_mesh(run, convert, mesh):
+    """What checkMesh says of it in OpenFOAM, and the faces of its patches."""
+    environment = {"WM_PROJECT_DIR": "/usr/share/openfoam", **os.environ}
+    case = run.out / convert
+    shutil.rmtree(case, ignore_errors=True)
+    (case / "system").mkdir(parents=True)
+    (case / "constant").mkdir()
+    for name in ("controlDict", "fvSchemes", "fvSolution"):
+        (case / "system" / name).write_text(
+            f"FoamFile {{ version 2.0; format ascii; class dictionary; object {name}; }}\n"
+            "startTime 0; endTime 1; deltaT 1; writeInterval 1; writeControl timeStep; startFrom startTime; "
+            "stopAt endTime; writeFormat ascii; writePrecision 12;\n"
+            "ddtSchemes {} gradSchemes {} divSchemes {} laplacianSchemes {} interpolationSchemes {} snGradSchemes {}\n")
+    for command in ([convert, "-case", case, run.out / mesh], ["checkMesh", "-case", case]):
+        said = subprocess.run(command, capture_output=True, text=True, env=environment)
+        assert said.returncode == 0, f"{command}: {said.stdout[-3000:]} {said.stderr}"
+    assert "Mesh OK." in said.stdout, said.stdout
+    assert int(re.search(r"cells:\s+(\d+)", said.stdout)[1]) == run.cells
+    assert near(float(re.search(r"Total volume = (\S+)\.", said.stdout)[1]), run.volume, 1e-5), said.stdout
+    patches = re.findall(r"(\w+)\s*\{[^}]*nFaces\s+(\d+);", (case / "constant/polyMesh/boundary").read_text())
+    return said.stdout, {name: int(count) for name, count in patches if int(count) > 0}
+
+
+def check_prisms(run):
+    import h5py
+    import meshio
+    import numpy as np
+    import pyvista as pv
+
+    prisms = run.report["volume_mesh"]["prisms"]["cells"]
+    faces = {name: count for name, count in run.faces.items() if count > 0}
+    vtu = pv.read(run.out / "volume.vtu")
+    assert vtu.n_cells == run.cells and len(vtu.cells_dict[pv.CellType.WEDGE]) == prisms > 1000
+    hdf = pv.read(run.out / "volume.vtkhdf")
+    assert np.array_equal(hdf.points, vtu.points) and np.array_equal(hdf.cells, vtu.cells)
+    assert np.array_equal(hdf.celltypes, vtu.celltypes) and np.array_equal(hdf["region"], vtu["region"])
+    wedges, tets = vtu.cells_dict[pv.CellType.WEDGE], vtu.cells_dict[pv.CellType.TETRA]
+    for name in ("volume.msh", "volume_msh2.msh", "volume.su2"):
+        read = meshio.read(run.out / name)
+        assert np.array_equal(read.points, vtu.points), name
+        assert np.array_equal(read.cells_dict["tetra"], tets) and np.array_equal(read.cells_dict["wedge"], wedges), name
+        count = {kind: sum(len(block.data) for block in read.cells if block.type == kind) for kind in ("triangle", "quad")}
+        assert count["quad"] > 100 and sum(count.values()) == sum(faces.values()), (name, count)
+    # The boundary encloses the volume.
+    corner = [read.points[np.vstack([b.data for b in read.cells if b.type == kind])] for kind in ("triangle", "quad")]
+    corner = np.concatenate([corner[0], corner[1][:, [0, 1, 2]], corner[1][:, [0, 2, 3]]])
+    enclosed = np.einsum("ij,ij->", corner[:, 0], np.cross(corner[:, 1], corner[:, 2])) / 6
+    assert near(enclosed, run.volume), (enclosed, run.volume)
+    if shutil.which("cgnscheck"):
+        said = subprocess.run(["cgnscheck", run.out / "volume.cgns"], capture_output=True, text=True)
+        assert said.returncode == 0 and "checking complete" in said.stdout and "ERROR" not in said.stdout, said.stdout
+        assert set(re.findall(r'checking BC "(.*?)"', said.stdout)) == set(faces), said.stdout
+        zone = h5py.File(run.out / "volume.cgns")["Base/Zone1"]
+        assert np.array_equal(zone["air_layers/ElementConnectivity/ data"][:].reshape(-1, 6) - 1, wedges)
+    if shutil.which("fluent3DMeshToFoam"):
+        for convert, mesh in (("fluent3DMeshToFoam", "volume_fluent.msh"), ("gmshToFoam", "volume_msh2.msh")):
+            said, patches = foam_mesh(run, convert, mesh)
+            assert int(re.search(r"prisms:\s+(\d+)", said)[1]) == prisms, said
+            assert patches == faces, (convert, patches)
+
+
 def check_foam(run):
     if shutil.which("fluent3DMeshToFoam") is None:
         raise ModuleNotFoundError("OpenFOAM is missing")
-    environment = {"WM_PROJECT_DIR": "/usr/share/openfoam", **os.environ}
     for convert, mesh in (("fluent3DMeshToFoam", "volume_fluent.msh"), ("gmshToFoam", "volume_msh2.msh")):
-        case = run.out / convert
-        shutil.rmtree(case, ignore_errors=True)
-        (case / "system").mkdir(parents=True)
-        (case / "constant").mkdir()
-        for name in ("controlDict", "fvSchemes", "fvSolution"):
-            (case / "system" / name).write_text(
-                f"FoamFile {{ version 2.0; format ascii; class dictionary; object {name}; }}\n"
-                "startTime 0; endTime 1; deltaT 1; writeInterval 1; writeControl timeStep; startFrom startTime; "
-                "stopAt endTime; writeFormat ascii; writePrecision 12;\n"
-                "ddtSchemes {} gradSchemes {} divSchemes {} laplacianSchemes {} interpolationSchemes {} snGradSchemes {}\n")
-        for command in ([convert, "-case", case, run.out / mesh], ["checkMesh", "-case", case]):
-            said = subprocess.run(command, capture_output=True, text=True, env=environment)
-            assert said.returncode == 0, f"{command}: {said.stdout[-3000:]} {said.stderr}"
-        assert "Mesh OK." in said.stdout, said.stdout
-        assert int(re.search(r"cells:\s+(\d+)", said.stdout)[1]) == run.cells
-        assert near(float(re.search(r"Total volume = (\S+)\.", said.stdout)[1]), run.volume, 1e-5), said.stdout
-        patches = re.findall(r"(\w+)\s*\{[^}]*nFaces\s+(\d+);", (case / "constant/polyMesh/boundary").read_text())
-        assert {name: int(count) for name, count in patches if int(count) > 0} == {
-            name: len(faces) for name, faces in run.patches().items()}, patches
+        _, patches = foam_mesh(run, convert, mesh)
+        assert patches == {name: len(faces) for name, faces in run.patches().items()}, patches
 
 
 def check_meshio(run):
@@ -278,11 +322,14 @@ def main():
         print("node or the glTF validator is missing; npm ci --prefix viewer")
         return 77
     check = {"pyvista": check_pyvista, "meshio": check_meshio, "cgns": check_cgns, "foam": check_foam,
-             "trimesh": check_trimesh, "gltf": check_gltf}[what]
+             "prisms": check_prisms, "trimesh": check_trimesh, "gltf": check_gltf}[what]
     with tempfile.TemporaryDirectory() as scratch:
-        for options in ((), ("--compression", "zlib"), ("--building-patches",)):
+        variants = [((), FORMATS), (("--compression", "zlib"), FORMATS), (("--building-patches",), FORMATS)]
+        if what == "prisms":
+            variants = [(("--boundary-layers", "4"), FORMATS.replace("xdmf,", ""))]
+        for options, formats in variants:
             try:
-                check(Run(program, pathlib.Path(scratch), *options))
+                check(Run(program, pathlib.Path(scratch), *options, formats=formats))
             except ModuleNotFoundError as error:
                 print(error)
                 return 77

@@ -29,7 +29,7 @@ static_assert(std::endian::native == std::endian::little, "CGNS output writes na
 
 constexpr const char* kData = " data";  ///< The dataset of a node.
 constexpr const char* kZone = "/Base/Zone1";
-constexpr std::int32_t kTetra = 10, kTriangle = 5;  // ElementType_t
+constexpr std::int32_t kTetra = 10, kPenta = 14, kTriangle = 5, kQuad = 7;  // ElementType_t
 
 /// Makes the nodes of the tree: a node is a group, with its name, label and type as attributes, and
 /// what it holds as a dataset.
@@ -161,9 +161,37 @@ void make_condition(const Tree& tree, const std::string& name, std::size_t first
   tree.text(condition, "FamilyName", "FamilyName_t", name);
 }
 
-void make_tree(const Hdf5File& file, const ColumnMesh& mesh, std::size_t cells,
-               const SurfaceMesh& surface, const std::vector<PatchFaces>& patches,
-               const Placement& placement) {
+/// Elements of one type: the cells, and then the faces patch by patch.
+struct Section {
+  std::string name;
+  std::int32_t type = 0;
+  std::size_t first = 0, count = 0;
+  std::size_t corners = 0;  ///< Of each.
+};
+
+std::vector<Section> sections_of(const CellCounts& cells, const SurfaceMesh& surface,
+                                 const std::vector<PatchFaces>& patches) {
+  std::vector<Section> sections;
+  std::size_t first = 0;
+  const auto add = [&](const std::string& name, std::int32_t type, std::size_t count,
+                       std::size_t corners) {
+    if (count > 0) sections.push_back({name, type, first, count, corners});
+    first += count;
+  };
+  add("air", kTetra, cells.tets, 4);
+  add("air_layers", kPenta, cells.prisms, 6);
+  for (const PatchFaces& range : patches) {
+    const std::string& name = surface.patches.of(range.patch).name;
+    add(name, kTriangle, range.triangles, 3);
+    add(range.triangles > 0 ? fmt::format("quads_{}", static_cast<int>(range.patch)) : name, kQuad,
+        range.quads, 4);
+  }
+  return sections;
+}
+
+void make_tree(const Hdf5File& file, const ColumnMesh& mesh, const CellCounts& cells,
+               const std::vector<Section>& sections, const SurfaceMesh& surface,
+               const std::vector<PatchFaces>& patches, const Placement& placement) {
   const Tree tree(file);
   tree.root();
   tree.version(3.4F);
@@ -176,59 +204,57 @@ void make_tree(const Hdf5File& file, const ColumnMesh& mesh, std::size_t cells,
     tree.text("/Base/" + info.name, "FamBC", "FamilyBC_t",
               info.is_solid() ? "BCWall" : "BCFarfield");
   }
-  tree.numbers("/Base", "Zone1", "Zone_t",
-               {static_cast<std::int32_t>(mesh.node_count()), static_cast<std::int32_t>(cells), 0},
-               1);
+  tree.numbers(
+      "/Base", "Zone1", "Zone_t",
+      {static_cast<std::int32_t>(mesh.node_count()), static_cast<std::int32_t>(cells.all()), 0}, 1);
   tree.text(kZone, "ZoneType", "ZoneType_t", "Unstructured");
   const std::string coordinates = fmt::format("{}/GridCoordinates", kZone);
   tree.node(kZone, "GridCoordinates", "GridCoordinates_t", "MT");
   for (const char* name : {"CoordinateX", "CoordinateY", "CoordinateZ"})
     tree.node(coordinates, name, "DataArray_t", "R8");
-  make_section(tree, "air", kTetra, 0, cells);
-  for (const PatchFaces& range : patches)
-    make_section(tree, surface.patches.of(range.patch).name, kTriangle, cells + range.begin,
-                 cells + range.end);
+  for (const Section& section : sections)
+    make_section(tree, section.name, section.type, section.first, section.first + section.count);
   tree.node(kZone, "ZoneBC", "ZoneBC_t", "MT");
   for (const PatchFaces& range : patches)
-    make_condition(tree, surface.patches.of(range.patch).name, cells + range.begin,
-                   cells + range.end);
+    make_condition(tree, surface.patches.of(range.patch).name, cells.all() + range.first,
+                   cells.all() + range.first + range.faces());
 }
 
-std::vector<Hdf5Dataset> streamed(const ColumnMesh& mesh, std::size_t cells,
-                                  const SurfaceMesh& surface,
-                                  const std::vector<PatchFaces>& patches) {
+std::vector<Hdf5Dataset> streamed(const ColumnMesh& mesh, const std::vector<Section>& sections) {
   std::vector<Hdf5Dataset> datasets;
   for (const char* name : {"CoordinateX", "CoordinateY", "CoordinateZ"})
     datasets.push_back({fmt::format("{}/GridCoordinates/{}/{}", kZone, name, kData),
                         Hdf5Type::kFloat64, static_cast<std::uint64_t>(mesh.node_count()), 0});
-  const auto add = [&](const std::string& name, std::uint64_t numbers) {
-    datasets.push_back({fmt::format("{}/{}/ElementConnectivity/{}", kZone, name, kData),
-                        Hdf5Type::kInt32, numbers, 0});
-  };
-  add("air", 4 * cells);
-  for (const PatchFaces& range : patches)
-    add(surface.patches.of(range.patch).name, 3 * (range.end - range.begin));
+  for (const Section& section : sections)
+    datasets.push_back({fmt::format("{}/{}/ElementConnectivity/{}", kZone, section.name, kData),
+                        Hdf5Type::kInt32, section.corners * section.count, 0});
   return datasets;
+}
+
+template <typename Nodes>
+void append_element(const Nodes& nodes, std::string& buffer) {
+  for (const NodeIndex node : nodes)
+    append_raw(buffer, static_cast<std::int32_t>(node.value() + 1));
 }
 
 }  // namespace
 
 void write_cgns(const std::filesystem::path& path, const ColumnMesh& mesh,
                 const SurfaceMesh& surface, const Placement& placement, const Progress& progress) {
-  refuse_prisms(path, mesh);
   require_boundary_of(mesh, surface);
   const std::vector<CellIndex> offsets = cell_offsets(mesh);
   const std::vector<PatchFaces> patches = faces_of_patches(surface);
-  const auto cells = static_cast<std::size_t>(offsets.back().value());
-  if (cells + surface.triangles.size() >
+  const CellCounts cells = count_cells(mesh, offsets);
+  if (cells.all() + count_faces(surface) >
       static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
     throw Error(ErrorKind::kInput,
                 fmt::format("{}: {} cells are too many for 32-bit numbers; use a larger mesh size "
                             "or another format",
-                            final_path(path).string(), cells));
-  const std::vector<Hdf5Dataset> datasets = streamed(mesh, cells, surface, patches);
+                            final_path(path).string(), cells.all()));
+  const std::vector<Section> sections = sections_of(cells, surface, patches);
+  const std::vector<Hdf5Dataset> datasets = streamed(mesh, sections);
   Hdf5Output file(path, datasets, [&](const Hdf5File& made) {
-    make_tree(made, mesh, cells, surface, patches, placement);
+    make_tree(made, mesh, cells, sections, surface, patches, placement);
   });
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double at = static_cast<double>(axis);
@@ -241,24 +267,29 @@ void write_cgns(const std::filesystem::path& path, const ColumnMesh& mesh,
         },
         portion(progress, 0.1 * at, 0.1 * (at + 1)));
   }
-  file.write_next(
-      offsets.size() - 1,
-      [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        for (std::size_t row = begin; row < end; ++row)
-          for_each_tet_of(mesh, row, [&](const std::array<NodeIndex, 4>& tet) {
-            for (const NodeIndex node : tet)
-              append_raw(buffer, static_cast<std::int32_t>(node.value() + 1));
-          });
-      },
-      portion(progress, 0.3, 0.9));
-  for (const PatchFaces& range : patches)
+  const auto write_cells = [&](std::size_t first, std::size_t last, const Progress& part) {
     file.write_next(
-        range.end - range.begin, [&](std::size_t begin, std::size_t end, std::string& buffer) {
-          for (std::size_t f = range.begin + begin; f < range.begin + end; ++f)
-            for (const std::int32_t p : surface.triangles[f])
-              append_raw(buffer, static_cast<std::int32_t>(
-                                     surface.node[static_cast<std::size_t>(p)].value() + 1));
-        });
+        last - first,
+        [&](std::size_t begin, std::size_t end, std::string& buffer) {
+          for (std::size_t row = first + begin; row < first + end; ++row)
+            for_each_cell_of(mesh, offsets, row,
+                             [&](const auto& nodes) { append_element(nodes, buffer); });
+        },
+        part);
+  };
+  const std::size_t rows = offsets.size() - 1;
+  write_cells(0, rows, portion(progress, 0.3, 0.8));
+  if (cells.prisms > 0) write_cells(rows, cell_rows(mesh, offsets), portion(progress, 0.8, 0.9));
+  for (const PatchFaces& range : patches)
+    for (const bool quads : {false, true}) {
+      const std::size_t first = quads ? range.triangles : 0;
+      const std::size_t count = quads ? range.quads : range.triangles;
+      if (count == 0) continue;
+      file.write_next(count, [&](std::size_t begin, std::size_t end, std::string& buffer) {
+        for_each_face_of(surface, range, first + begin, first + end,
+                         [&](const auto& nodes) { append_element(nodes, buffer); });
+      });
+    }
   file.commit();
 }
 

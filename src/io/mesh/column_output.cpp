@@ -11,10 +11,18 @@ namespace tetropolis {
 
 std::vector<PatchFaces> faces_of_patches(const SurfaceMesh& surface) {
   std::vector<PatchFaces> ranges;
-  for (std::size_t f = 0; f < surface.patch.size(); ++f) {
-    if (ranges.empty() || ranges.back().patch != surface.patch[f])
-      ranges.push_back({surface.patch[f], f, f});
-    ranges.back().end = f + 1;
+  std::size_t faces = 0;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++faces) {
+    if (ranges.empty() || ranges.back().patch != surface.patch[t])
+      ranges.push_back({surface.patch[t], t, 0, 0, faces});
+    PatchFaces& range = ranges.back();
+    const bool is_quad = std::binary_search(surface.quads.begin(), surface.quads.end(),
+                                            static_cast<std::int32_t>(t));
+    if (!is_quad && range.quads > 0)
+      throw Error(ErrorKind::kGuarantee,
+                  "the surface has triangles behind the quadrilaterals of a patch");
+    ++(is_quad ? range.quads : range.triangles);
+    t += is_quad ? 2 : 1;
   }
   return ranges;
 }
@@ -41,8 +49,8 @@ void refuse_prisms(const std::filesystem::path& path, const ColumnMesh& mesh) {
     throw Error(
         ErrorKind::kUsage,
         path.filename().string() +
-            ": the mesh has prisms (boundary_layers), which are not written in this format; "
-            "use vtu or openfoam");
+            ": the mesh has prisms (boundary_layers), which XDMF is not written with; use vtu, "
+            "vtkhdf or another format");
 }
 
 void append_regions(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets,

@@ -10,10 +10,9 @@
 #include <fmt/format.h>
 
 #include "column_output.h"
-#include "internal_faces.h"
 #include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
-#include "volume/column/upper_faces.h"
+#include "write_internal_faces.h"
 
 namespace tetropolis {
 
@@ -42,60 +41,83 @@ void write_points(AtomicFile& file, const ColumnMesh& mesh, const Placement& pla
   file.write("))\n");
 }
 
-std::string begin_faces(int zone, std::size_t first, std::size_t last, Boundary type) {
-  constexpr int kTriangles = 3;
+/// Types of faces; where there are several, each face says how many corners it has.
+constexpr int kMixed = 0, kTriangles = 3, kQuads = 4;
+
+int type_of(std::size_t triangles, std::size_t quads) {
+  return quads == 0 ? kTriangles : triangles == 0 ? kQuads : kMixed;
+}
+
+std::string begin_faces(int zone, std::size_t first, std::size_t last, Boundary boundary,
+                        int type) {
   return fmt::format("(13 ({:x} {:x} {:x} {:x} {:x})(\n", zone, first + 1, last,
-                     static_cast<int>(type), kTriangles);
+                     static_cast<int>(boundary), type);
+}
+
+/// `corners` nodes from `node`(0) on.
+template <typename Node>
+void append_corners(std::string& buffer, int type, std::size_t corners, const Node& node) {
+  if (type == kMixed) fmt::format_to(std::back_inserter(buffer), "{:x} ", corners);
+  for (std::size_t i = 0; i < corners; ++i)
+    fmt::format_to(std::back_inserter(buffer), "{:x} ", node(i).value() + 1);
 }
 
 /// Right-hand normals point to the cell that is named first.
-void write_interior(AtomicFile& file, const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
+void write_interior(AtomicFile& file, const ColumnMesh& mesh, const CellFaces& faces,
                     std::size_t count, const Progress& progress) {
-  file.write(begin_faces(kInteriorZone, 0, count, Boundary::kInterior));
+  const int type = type_of(1, faces.between_prisms.size());
+  file.write(begin_faces(kInteriorZone, 0, count, Boundary::kInterior, type));
   constexpr std::uint64_t kBytes = 35;
-  const auto append = [](const std::array<NodeIndex, 3>& nodes, CellIndex neighbour,
-                         CellIndex owner, std::string& buffer) {
-    fmt::format_to(std::back_inserter(buffer), "{:x} {:x} {:x} {:x} {:x}\n", nodes[0].value() + 1,
-                   nodes[1].value() + 1, nodes[2].value() + 1, neighbour.value() + 1,
-                   owner.value() + 1);
-  };
-  write_chunked(
-      file, mesh.triangle_count(), grain_for(mesh.triangle_count(), count * kBytes),
-      [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        InternalFaces faces(mesh, cells);
-        for (const TriangleIndex t : indices<TriangleIndex>(begin, end))
-          for (const InternalFace& face : faces.owned_over(t))
-            append(face.nodes, face.neighbour, face.owner, buffer);
+  write_internal_faces(
+      file, mesh, faces, count * kBytes,
+      [type](const auto& face, std::string& buffer) {
+        append_corners(buffer, type, corners_of(face),
+                       [&](std::size_t i) { return face.nodes[i]; });
+        fmt::format_to(std::back_inserter(buffer), "{:x} {:x}\n", face.neighbour.value() + 1,
+                       face.owner.value() + 1);
       },
       progress);
-  if (!mesh.upper.empty()) {
-    const std::vector<UpperFaces::Inner> upper = upper_faces(mesh).inner;
-    write_chunked(file, upper.size(), kRows,
-                  [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                    for (std::size_t f = begin; f < end; ++f)
-                      append(upper[f].nodes, upper[f].neighbour, upper[f].cell, buffer);
-                  });
-  }
   file.write("))\n");
 }
 
 void write_patch(AtomicFile& file, const SurfaceMesh& surface, const PatchFaces& range,
                  std::size_t interior) {
-  const Boundary type =
+  const Boundary boundary =
       surface.patches.of(range.patch).is_solid() ? Boundary::kWall : Boundary::kSymmetry;
-  file.write(begin_faces(zone_of(range.patch), interior + range.begin, interior + range.end, type));
-  write_chunked(
-      file, range.end - range.begin, kRows,
-      [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        for (std::size_t f = range.begin + begin; f < range.begin + end; ++f) {
-          const auto& corners = surface.triangles[f];
-          for (std::size_t i = corners.size(); i-- > 0;)  // so that normals point inwards
-            fmt::format_to(std::back_inserter(buffer), "{:x} ",
-                           surface.node[static_cast<std::size_t>(corners[i])].value() + 1);
-          fmt::format_to(std::back_inserter(buffer), "{:x} 0\n", surface.cell[f].value() + 1);
-        }
-      });
+  const int type = type_of(range.triangles, range.quads);
+  const std::size_t first = interior + range.first;
+  file.write(begin_faces(zone_of(range.patch), first, first + range.faces(), boundary, type));
+  write_chunked(file, range.faces(), kRows,
+                [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                  std::size_t f = begin;
+                  for_each_face_of(surface, range, begin, end, [&](const auto& nodes) {
+                    append_corners(buffer, type, nodes.size(), [&](std::size_t i) {
+                      return nodes[nodes.size() - 1 - i];  // so that normals point inwards
+                    });
+                    fmt::format_to(std::back_inserter(buffer), "{:x} 0\n",
+                                   cell_behind(surface, range, f++).value() + 1);
+                  });
+                });
   file.write("))\n");
+}
+
+/// Cells of two types say which each has.
+void write_cell_types(AtomicFile& file, const CellCounts& cells) {
+  constexpr int kFluid = 1, kTets = 2, kWedges = 6;
+  file.write(fmt::format("(12 ({:x} 1 {:x} {:x} {:x})", kCellZone, cells.all(), kFluid,
+                         cells.prisms == 0 ? kTets : kMixed));
+  if (cells.prisms > 0) {
+    file.write("(\n");
+    write_chunked(file, cells.all(), kRows,
+                  [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                    for (std::size_t c = begin; c < end; ++c) {
+                      buffer += std::to_string(c < cells.tets ? kTets : kWedges);
+                      buffer += c % 32 == 31 ? '\n' : ' ';
+                    }
+                  });
+    file.write(")");
+  }
+  file.write(")\n");
 }
 
 }  // namespace
@@ -103,21 +125,20 @@ void write_patch(AtomicFile& file, const SurfaceMesh& surface, const PatchFaces&
 void write_fluent(const std::filesystem::path& path, const ColumnMesh& mesh,
                   const SurfaceMesh& surface, const Placement& placement,
                   const Progress& progress) {
-  refuse_prisms(path, mesh);
   require_boundary_of(mesh, surface);
-  const std::vector<CellIndex> cells = cell_offsets(mesh);
+  const CellFaces faces(mesh);
   const std::vector<PatchFaces> patches = faces_of_patches(surface);
-  const auto cell_count = static_cast<std::size_t>(cells.back().value());
-  const std::size_t outer = surface.triangles.size(), interior = (4 * cell_count - outer) / 2;
+  const CellCounts cells = count_cells(mesh, faces.cells);
+  const std::size_t outer = count_faces(surface);
+  const std::size_t interior = (4 * cells.tets + 5 * cells.prisms - outer) / 2;
   AtomicFile file(path);
   file.write(fmt::format("(0 \"Tetropolis origin {} {} {}\")\n(2 3)\n", placement.origin[0],
                          placement.origin[1], placement.origin[2]));
   file.write(fmt::format("(10 (0 1 {:x} 0 3))\n(12 (0 1 {:x} 0))\n(13 (0 1 {:x} 0))\n",
-                         mesh.node_count(), cell_count, interior + outer));
-  constexpr int kFluid = 1, kTets = 2;
-  file.write(fmt::format("(12 ({:x} 1 {:x} {:x} {:x}))\n", kCellZone, cell_count, kFluid, kTets));
+                         mesh.node_count(), cells.all(), interior + outer));
+  write_cell_types(file, cells);
   write_points(file, mesh, placement);
-  write_interior(file, mesh, cells, interior, portion(progress, 0.2, 1));
+  write_interior(file, mesh, faces, interior, portion(progress, 0.2, 1));
   for (const PatchFaces& range : patches) write_patch(file, surface, range, interior);
   file.write(fmt::format("(45 ({} fluid air)())\n(45 ({} interior inside)())\n", kCellZone,
                          kInteriorZone));

@@ -13,6 +13,7 @@
 #include "core/infinity.h"
 #include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
+#include "physical_names.h"
 
 namespace tetropolis {
 
@@ -22,8 +23,7 @@ static_assert(std::endian::native == std::endian::little, "MSH output writes nat
 
 // Rows formatted at a time by a thread: some hundred kilobytes of output.
 constexpr std::size_t kRows = 32768;
-constexpr std::int32_t kTriangleType = 2;
-constexpr std::int32_t kTetType = 4;
+constexpr std::int32_t kTriangle = 2, kQuad = 3, kTet = 4, kPrism = 6;
 
 /// Lowest and highest coordinates.
 struct Box {
@@ -63,16 +63,13 @@ std::string head(const std::vector<PatchFaces>& patches, const SurfaceMesh& surf
   append_raw(text, std::int32_t{1});
   text += fmt::format("\n$EndMeshFormat\n$Comments\norigin {} {} {}\n$EndComments\n",
                       placement.origin[0], placement.origin[1], placement.origin[2]);
-  text += fmt::format("$PhysicalNames\n{}\n", patches.size() + 1);
-  for (const PatchFaces& range : patches)
-    text += fmt::format("2 {} \"{}\"\n", static_cast<int>(range.patch),
-                        surface.patches.of(range.patch).name);
-  text += fmt::format("3 {} \"air\"\n$EndPhysicalNames\n$Entities\n", kAirPhysicalGroup);
+  text += physical_names(patches, surface) + "$Entities\n";
   for (const std::size_t count : {std::size_t{0}, std::size_t{0}, patches.size(), std::size_t{1}})
     append_size(text, count);
   for (const PatchFaces& range : patches) {
-    append_entity(text, static_cast<std::int32_t>(range.patch),
-                  box_of(surface, range.begin, range.end, placement));
+    append_entity(
+        text, static_cast<std::int32_t>(range.patch),
+        box_of(surface, range.begin, range.begin + range.triangles + 2 * range.quads, placement));
     append_size(text, 0);  // no bounding curves
   }
   append_entity(text, kAirPhysicalGroup, box_of(surface, 0, surface.triangles.size(), placement));
@@ -111,37 +108,44 @@ std::string begin_elements(std::int32_t dimension, std::int32_t entity, std::int
   return block;
 }
 
-void write_triangles(AtomicFile& file, const std::vector<PatchFaces>& patches,
-                     const SurfaceMesh& surface) {
-  for (const PatchFaces& range : patches) {
-    file.write(begin_elements(2, static_cast<std::int32_t>(range.patch), kTriangleType,
-                              range.end - range.begin));
-    write_chunked(file, range.end - range.begin, kRows,
-                  [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                    for (std::size_t f = range.begin + begin; f < range.begin + end; ++f) {
-                      append_size(buffer, f + 1);
-                      for (const std::int32_t p : surface.triangles[f])
-                        append_raw(buffer, surface.node[static_cast<std::size_t>(p)] + 1);
-                    }
-                  });
-  }
+/// A block for the triangles of each patch, and one for its quadrilaterals, if there are any.
+void write_faces(AtomicFile& file, const std::vector<PatchFaces>& patches,
+                 const SurfaceMesh& surface) {
+  for (const PatchFaces& range : patches)
+    for (const bool quads : {false, true}) {
+      const std::size_t first = quads ? range.triangles : 0;
+      const std::size_t count = quads ? range.quads : range.triangles;
+      if (count == 0) continue;
+      file.write(begin_elements(2, static_cast<std::int32_t>(range.patch),
+                                quads ? kQuad : kTriangle, count));
+      write_chunked(
+          file, count, kRows, [&](std::size_t begin, std::size_t end, std::string& buffer) {
+            std::size_t element = range.first + first + begin;
+            for_each_face_of(surface, range, first + begin, first + end, [&](const auto& nodes) {
+              append_size(buffer, ++element);
+              for (const NodeIndex node : nodes) append_raw(buffer, node + 1);
+            });
+          });
+    }
 }
 
-void write_tets(AtomicFile& file, const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
-                std::size_t triangles, const Progress& progress) {
-  const auto count = static_cast<std::size_t>(cells.back());
-  file.write(begin_elements(3, kAirPhysicalGroup, kTetType, count));
-  const std::uint64_t bytes = count * 5 * sizeof(std::uint64_t);
+/// The cells of some rows of cell_rows(), all of one type; elements are numbered after the faces.
+void write_cells(AtomicFile& file, const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
+                 std::size_t first_row, std::size_t end_row, std::int32_t type, std::size_t faces,
+                 const Progress& progress) {
+  const std::size_t count = first_cell_of(cells, end_row) - first_cell_of(cells, first_row);
+  if (count == 0) return;
+  file.write(begin_elements(3, kAirPhysicalGroup, type, count));
+  const std::uint64_t bytes = count * 7 * sizeof(std::uint64_t);
   write_chunked(
-      file, cells.size() - 1, grain_for(cells.size() - 1, bytes),
+      file, end_row - first_row, grain_for(end_row - first_row, bytes),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        for (std::size_t row = begin; row < end; ++row) {
-          std::size_t element = triangles + static_cast<std::size_t>(cells[row]);
-          for_each_tet_of(mesh, row, [&](const std::array<NodeIndex, 4>& tet) {
+        std::size_t element = faces + first_cell_of(cells, first_row + begin);
+        for (std::size_t row = first_row + begin; row < first_row + end; ++row)
+          for_each_cell_of(mesh, cells, row, [&](const auto& nodes) {
             append_size(buffer, ++element);
-            for (const NodeIndex node : tet) append_raw(buffer, node + 1);
+            for (const NodeIndex node : nodes) append_raw(buffer, node + 1);
           });
-        }
       },
       progress);
 }
@@ -150,20 +154,27 @@ void write_tets(AtomicFile& file, const ColumnMesh& mesh, const std::vector<Cell
 
 void write_msh(const std::filesystem::path& path, const ColumnMesh& mesh,
                const SurfaceMesh& surface, const Placement& placement, const Progress& progress) {
-  refuse_prisms(path, mesh);
   require_boundary_of(mesh, surface);
   const std::vector<CellIndex> cells = cell_offsets(mesh);
   const std::vector<PatchFaces> patches = faces_of_patches(surface);
-  const std::size_t elements = surface.triangles.size() + static_cast<std::size_t>(cells.back());
+  const std::size_t faces = count_faces(surface);
+  const CellCounts counts = count_cells(mesh, cells);
+  const std::size_t elements = faces + counts.all();
   AtomicFile file(path);
   file.write(head(patches, surface, placement));
   write_nodes(file, mesh, placement, portion(progress, 0, 0.2));
+  std::size_t blocks = counts.prisms > 0 ? 2 : 1;
+  for (const PatchFaces& range : patches)
+    blocks += (range.triangles > 0 ? 1U : 0U) + (range.quads > 0 ? 1U : 0U);
   std::string begin = "$Elements\n";
-  for (const std::size_t count : {patches.size() + 1, elements, std::size_t{1}, elements})
+  for (const std::size_t count : {blocks, elements, std::size_t{1}, elements})
     append_size(begin, count);
   file.write(begin);
-  write_triangles(file, patches, surface);
-  write_tets(file, mesh, cells, surface.triangles.size(), portion(progress, 0.2, 1));
+  write_faces(file, patches, surface);
+  const std::size_t tet_rows = cells.size() - 1;
+  write_cells(file, mesh, cells, 0, tet_rows, kTet, faces, portion(progress, 0.2, 0.9));
+  write_cells(file, mesh, cells, tet_rows, cell_rows(mesh, cells), kPrism, faces,
+              portion(progress, 0.9, 1));
   file.write("\n$EndElements\n");
   file.commit();
 }

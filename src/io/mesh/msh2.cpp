@@ -1,4 +1,3 @@
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
@@ -12,6 +11,7 @@
 #include "column_output.h"
 #include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
+#include "physical_names.h"
 
 namespace tetropolis {
 
@@ -19,7 +19,7 @@ namespace {
 
 // Rows formatted at a time by a thread: some hundred kilobytes of output.
 constexpr std::size_t kRows = 16384;
-constexpr int kTriangle = 2, kTet = 4;
+constexpr int kTriangle = 2, kQuad = 3, kTet = 4, kPrism = 6;
 
 /// An element with two tags, physical group and entity, which are the same; its nodes follow.
 void append_element(std::string& buffer, std::size_t number, int type, int group) {
@@ -28,18 +28,6 @@ void append_element(std::string& buffer, std::size_t number, int type, int group
 
 void append_node(std::string& buffer, NodeIndex node) {
   fmt::format_to(std::back_inserter(buffer), " {}", node.value() + 1);
-}
-
-std::string head(const std::vector<PatchFaces>& patches, const SurfaceMesh& surface,
-                 const Placement& placement) {
-  std::string text = fmt::format(
-      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Comments\norigin {} {} {}\n$EndComments\n",
-      placement.origin[0], placement.origin[1], placement.origin[2]);
-  text += fmt::format("$PhysicalNames\n{}\n", patches.size() + 1);
-  for (const PatchFaces& range : patches)
-    text += fmt::format("2 {} \"{}\"\n", static_cast<int>(range.patch),
-                        surface.patches.of(range.patch).name);
-  return text + fmt::format("3 {} \"air\"\n$EndPhysicalNames\n", kAirPhysicalGroup);
 }
 
 void write_nodes(AtomicFile& file, const ColumnMesh& mesh, const Placement& placement,
@@ -58,33 +46,35 @@ void write_nodes(AtomicFile& file, const ColumnMesh& mesh, const Placement& plac
   file.write("$EndNodes\n");
 }
 
-void write_triangles(AtomicFile& file, const SurfaceMesh& surface) {
-  write_chunked(file, surface.triangles.size(), kRows,
-                [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                  for (std::size_t f = begin; f < end; ++f) {
-                    append_element(buffer, f + 1, kTriangle, static_cast<int>(surface.patch[f]));
-                    for (const std::int32_t p : surface.triangles[f])
-                      append_node(buffer, surface.node[static_cast<std::size_t>(p)]);
-                    buffer += '\n';
-                  }
-                });
+void write_faces(AtomicFile& file, const std::vector<PatchFaces>& patches,
+                 const SurfaceMesh& surface) {
+  for (const PatchFaces& range : patches)
+    write_chunked(file, range.faces(), kRows,
+                  [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                    std::size_t element = range.first + begin;
+                    for_each_face_of(surface, range, begin, end, [&](const auto& nodes) {
+                      append_element(buffer, ++element, nodes.size() == 3 ? kTriangle : kQuad,
+                                     static_cast<int>(range.patch));
+                      for (const NodeIndex node : nodes) append_node(buffer, node);
+                      buffer += '\n';
+                    });
+                  });
 }
 
-void write_tets(AtomicFile& file, const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
-                std::size_t triangles, const Progress& progress) {
+void write_cells(AtomicFile& file, const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
+                 std::size_t faces, const Progress& progress) {
   constexpr std::uint64_t kBytes = 45;
-  const std::uint64_t bytes = static_cast<std::uint64_t>(cells.back().value()) * kBytes;
+  const std::size_t rows = cell_rows(mesh, cells);
   write_chunked(
-      file, cells.size() - 1, grain_for(cells.size() - 1, bytes),
+      file, rows, grain_for(rows, first_cell_of(cells, rows) * kBytes),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        for (std::size_t row = begin; row < end; ++row) {
-          std::size_t element = triangles + static_cast<std::size_t>(cells[row].value());
-          for_each_tet_of(mesh, row, [&](const std::array<NodeIndex, 4>& tet) {
-            append_element(buffer, ++element, kTet, kAirPhysicalGroup);
-            for (const NodeIndex node : tet) append_node(buffer, node);
+        std::size_t element = faces + first_cell_of(cells, begin);
+        for (std::size_t row = begin; row < end; ++row)
+          for_each_cell_of(mesh, cells, row, [&](const auto& nodes) {
+            append_element(buffer, ++element, nodes.size() == 4 ? kTet : kPrism, kAirPhysicalGroup);
+            for (const NodeIndex node : nodes) append_node(buffer, node);
             buffer += '\n';
           });
-        }
       },
       progress);
 }
@@ -93,17 +83,19 @@ void write_tets(AtomicFile& file, const ColumnMesh& mesh, const std::vector<Cell
 
 void write_msh2(const std::filesystem::path& path, const ColumnMesh& mesh,
                 const SurfaceMesh& surface, const Placement& placement, const Progress& progress) {
-  refuse_prisms(path, mesh);
   require_boundary_of(mesh, surface);
   const std::vector<CellIndex> cells = cell_offsets(mesh);
-  const std::size_t triangles = surface.triangles.size();
+  const std::vector<PatchFaces> patches = faces_of_patches(surface);
+  const std::size_t faces = count_faces(surface);
   AtomicFile file(path);
-  file.write(head(faces_of_patches(surface), surface, placement));
+  file.write(fmt::format(
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Comments\norigin {} {} {}\n$EndComments\n",
+      placement.origin[0], placement.origin[1], placement.origin[2]));
+  file.write(physical_names(patches, surface));
   write_nodes(file, mesh, placement, portion(progress, 0, 0.2));
-  file.write(
-      fmt::format("$Elements\n{}\n", triangles + static_cast<std::size_t>(cells.back().value())));
-  write_triangles(file, surface);
-  write_tets(file, mesh, cells, triangles, portion(progress, 0.2, 1));
+  file.write(fmt::format("$Elements\n{}\n", faces + count_cells(mesh, cells).all()));
+  write_faces(file, patches, surface);
+  write_cells(file, mesh, cells, faces, portion(progress, 0.2, 1));
   file.write("$EndElements\n");
   file.commit();
 }

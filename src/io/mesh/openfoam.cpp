@@ -14,11 +14,9 @@
 #include "tetropolis/core/error.h"
 
 #include "column_output.h"
-#include "internal_faces.h"
 #include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
-#include "prism_faces.h"
-#include "volume/column/upper_faces.h"
+#include "write_internal_faces.h"
 
 namespace tetropolis {
 
@@ -68,43 +66,7 @@ void write_points(AtomicFile& file, const ColumnMesh& mesh, const Placement& pla
   end_list(file);
 }
 
-/// Cells of columns by triangle, and the faces between those of the upper part and those between
-/// prisms.
-struct Cells {
-  std::vector<CellIndex> offsets;
-  std::vector<UpperFaces::Inner> upper;
-  std::vector<PrismFace> prisms;
-};
-
-std::size_t corners_of(const InternalFace& face) { return face.nodes.size(); }
-std::size_t corners_of(const PrismFace& face) { return face.corners; }
-
-/// Appends what append(face, buffer) does for the internal faces in their order: `bytes` in all.
-template <typename Append>
-void write_internal(AtomicFile& file, const ColumnMesh& mesh, const Cells& cells,
-                    std::uint64_t bytes, const Append& append, const Progress& progress) {
-  write_chunked(
-      file, mesh.triangle_count(), grain_for(mesh.triangle_count(), bytes),
-      [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        InternalFaces faces(mesh, cells.offsets);
-        for (const TriangleIndex t : indices<TriangleIndex>(begin, end))
-          for (const InternalFace& face : faces.owned_over(t)) append(face, buffer);
-      },
-      progress);
-  write_chunked(file, cells.upper.size(), kRows,
-                [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                  for (std::size_t f = begin; f < end; ++f) {
-                    const UpperFaces::Inner& face = cells.upper[f];
-                    append(InternalFace{face.cell, face.neighbour, face.nodes}, buffer);
-                  }
-                });
-  write_chunked(file, cells.prisms.size(), kRows,
-                [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                  for (std::size_t f = begin; f < end; ++f) append(cells.prisms[f], buffer);
-                });
-}
-
-/// Likewise for the boundary faces; append(f, buffer) gets their number.
+/// Appends what append(f, buffer) does for the boundary faces, by their number.
 template <typename Append>
 void write_outer(AtomicFile& file, const SurfaceMesh& surface, const Append& append) {
   write_chunked(file, SurfaceFaces(surface).size(), kRows,
@@ -114,11 +76,12 @@ void write_outer(AtomicFile& file, const SurfaceMesh& surface, const Append& app
 }
 
 /// A "compact" list of faces: offsets into the list of corners that follows, and that list.
-void write_faces(AtomicFile& file, const ColumnMesh& mesh, const Cells& cells,
+void write_faces(AtomicFile& file, const ColumnMesh& mesh, const CellFaces& cells,
                  const SurfaceMesh& surface, const Sizes& sizes, const Progress& progress) {
   file.write(header("binary", "faceCompactList", "faces", ""));
   std::vector<std::size_t> quads{0};  // among the faces between prisms before each
-  for (const PrismFace& face : cells.prisms) quads.push_back(quads.back() + face.corners - 3);
+  for (const PrismFace& face : cells.between_prisms)
+    quads.push_back(quads.back() + face.corners - 3);
   begin_list(file, sizes.faces() + 1);
   const SurfaceFaces outer(surface);
   const auto quads_before = [&, first = sizes.internal - sizes.between_prisms](std::size_t f) {
@@ -132,7 +95,7 @@ void write_faces(AtomicFile& file, const ColumnMesh& mesh, const Cells& cells,
                 });
   end_list(file);
   begin_list(file, sizes.corners);
-  write_internal(
+  write_internal_faces(
       file, mesh, cells, sizes.internal * 3 * sizeof(Label),
       [](const auto& face, std::string& buffer) {
         for (std::size_t i = 0; i < corners_of(face); ++i)
@@ -146,17 +109,17 @@ void write_faces(AtomicFile& file, const ColumnMesh& mesh, const Cells& cells,
   end_list(file);
 }
 
-std::string size_note(const ColumnMesh& mesh, const Cells& cells, const Sizes& sizes) {
+std::string size_note(const ColumnMesh& mesh, const CellFaces& cells, const Sizes& sizes) {
   return fmt::format("nPoints:{}  nCells:{}  nFaces:{}  nInternalFaces:{}", mesh.node_count(),
-                     cells.offsets.back().value() + mesh.layers.cells(), sizes.faces(),
+                     cells.cells.back().value() + mesh.layers.cells(), sizes.faces(),
                      sizes.internal);
 }
 
-void write_owner(AtomicFile& file, const ColumnMesh& mesh, const Cells& cells,
+void write_owner(AtomicFile& file, const ColumnMesh& mesh, const CellFaces& cells,
                  const SurfaceMesh& surface, const Sizes& sizes, const Progress& progress) {
   file.write(header("binary", "labelList", "owner", size_note(mesh, cells, sizes)));
   begin_list(file, sizes.faces());
-  write_internal(
+  write_internal_faces(
       file, mesh, cells, sizes.internal * sizeof(Label),
       [](const auto& face, std::string& buffer) {
         append_raw(buffer, static_cast<Label>(face.owner.value()));
@@ -169,11 +132,11 @@ void write_owner(AtomicFile& file, const ColumnMesh& mesh, const Cells& cells,
   end_list(file);
 }
 
-void write_neighbour(AtomicFile& file, const ColumnMesh& mesh, const Cells& cells,
+void write_neighbour(AtomicFile& file, const ColumnMesh& mesh, const CellFaces& cells,
                      const Sizes& sizes, const Progress& progress) {
   file.write(header("binary", "labelList", "neighbour", size_note(mesh, cells, sizes)));
   begin_list(file, sizes.internal);
-  write_internal(
+  write_internal_faces(
       file, mesh, cells, sizes.internal * sizeof(Label),
       [](const auto& face, std::string& buffer) {
         append_raw(buffer, static_cast<Label>(face.neighbour.value()));
@@ -204,15 +167,15 @@ void write_patches(AtomicFile& file, const SurfaceMesh& surface, const Sizes& si
   file.write(text + ")\n");
 }
 
-Sizes count_faces(const std::filesystem::path& folder, const ColumnMesh& mesh, const Cells& list,
-                  const SurfaceMesh& surface) {
+Sizes count_faces(const std::filesystem::path& folder, const ColumnMesh& mesh,
+                  const CellFaces& list, const SurfaceMesh& surface) {
   const std::size_t boundary = SurfaceFaces(surface).size();
-  const auto tets = static_cast<std::size_t>(list.offsets.back().value());
+  const auto tets = static_cast<std::size_t>(list.cells.back().value());
   const auto prisms = static_cast<std::size_t>(mesh.layers.cells());
-  const std::int64_t cells = list.offsets.back().value() + mesh.layers.cells();
-  Sizes sizes{(4 * tets + 5 * prisms - boundary) / 2, boundary, list.prisms.size(), 0};
+  const std::int64_t cells = list.cells.back().value() + mesh.layers.cells();
+  Sizes sizes{(4 * tets + 5 * prisms - boundary) / 2, boundary, list.between_prisms.size(), 0};
   sizes.corners = 3 * sizes.faces() + surface.quads.size();
-  for (const PrismFace& face : list.prisms) sizes.corners += face.corners - 3;
+  for (const PrismFace& face : list.between_prisms) sizes.corners += face.corners - 3;
   if (sizes.corners > static_cast<std::size_t>(std::numeric_limits<Label>::max()))
     throw Error(ErrorKind::kInput,
                 fmt::format("{}: {} cells are too many for OpenFOAM's 32-bit labels; use a larger "
@@ -227,9 +190,7 @@ void write_openfoam(const std::filesystem::path& folder, const ColumnMesh& mesh,
                     const SurfaceMesh& surface, const Placement& placement,
                     const Progress& progress) {
   require_boundary_of(mesh, surface);
-  Cells cells{cell_offsets(mesh), {}, {}};
-  if (!mesh.upper.empty()) cells.upper = upper_faces(mesh).inner;
-  cells.prisms = prism_faces(mesh, cells.offsets.back());
+  const CellFaces cells(mesh);
   const Sizes sizes = count_faces(folder, mesh, cells, surface);
   std::error_code error;
   std::filesystem::create_directories(folder, error);

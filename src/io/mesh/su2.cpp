@@ -1,6 +1,5 @@
 #include "tetropolis/io/mesh/su2.h"
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
@@ -20,24 +19,26 @@ namespace {
 // Rows formatted at a time by a thread: some hundred kilobytes of output.
 constexpr std::size_t kRows = 16384;
 // Elements have the numbers of VTK.
-constexpr int kTriangle = 5;
-constexpr int kTet = 10;
+constexpr int kTriangle = 5, kQuad = 9;
+constexpr int kTet = 10, kWedge = 13;
 
 void write_cells(AtomicFile& file, const ColumnMesh& mesh, const Progress& progress) {
   const std::vector<CellIndex> cells = cell_offsets(mesh);
-  const auto count = static_cast<std::uint64_t>(cells.back().value());
+  const std::uint64_t count = count_cells(mesh, cells).all();
   file.write(fmt::format("NDIME= 3\nNELEM= {}\n", count));
   constexpr std::uint64_t kBytes = 40;  // of a row, about
+  const std::size_t rows = cell_rows(mesh, cells);
   write_chunked(
-      file, cells.size() - 1, grain_for(cells.size() - 1, count * kBytes),
+      file, rows, grain_for(rows, count * kBytes),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        for (std::size_t row = begin; row < end; ++row) {
-          std::int64_t number = cells[row].value();
-          for_each_tet_of(mesh, row, [&](const std::array<NodeIndex, 4>& tet) {
-            fmt::format_to(std::back_inserter(buffer), "{} {} {} {} {} {}\n", kTet, tet[0].value(),
-                           tet[1].value(), tet[2].value(), tet[3].value(), number++);
+        std::size_t number = first_cell_of(cells, begin);
+        for (std::size_t row = begin; row < end; ++row)
+          for_each_cell_of(mesh, cells, row, [&](const auto& nodes) {
+            buffer += std::to_string(nodes.size() == 4 ? kTet : kWedge);
+            for (const NodeIndex node : nodes)
+              fmt::format_to(std::back_inserter(buffer), " {}", node.value());
+            fmt::format_to(std::back_inserter(buffer), " {}\n", number++);
           });
-        }
       },
       progress);
 }
@@ -62,17 +63,15 @@ void write_markers(AtomicFile& file, const SurfaceMesh& surface) {
   file.write(fmt::format("NMARK= {}\n", patches.size()));
   for (const PatchFaces& range : patches) {
     file.write(fmt::format("MARKER_TAG= {}\nMARKER_ELEMS= {}\n",
-                           surface.patches.of(range.patch).name, range.end - range.begin));
-    write_chunked(file, range.end - range.begin, kRows,
+                           surface.patches.of(range.patch).name, range.faces()));
+    write_chunked(file, range.faces(), kRows,
                   [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                    for (std::size_t f = range.begin + begin; f < range.begin + end; ++f) {
-                      const auto& nodes = surface.triangles[f];
-                      buffer += std::to_string(kTriangle);
-                      for (const std::int32_t p : nodes)
-                        fmt::format_to(std::back_inserter(buffer), " {}",
-                                       surface.node[static_cast<std::size_t>(p)].value());
+                    for_each_face_of(surface, range, begin, end, [&](const auto& nodes) {
+                      buffer += std::to_string(nodes.size() == 3 ? kTriangle : kQuad);
+                      for (const NodeIndex node : nodes)
+                        fmt::format_to(std::back_inserter(buffer), " {}", node.value());
                       buffer += '\n';
-                    }
+                    });
                   });
   }
 }
@@ -81,7 +80,6 @@ void write_markers(AtomicFile& file, const SurfaceMesh& surface) {
 
 void write_su2(const std::filesystem::path& path, const ColumnMesh& mesh,
                const SurfaceMesh& surface, const Placement& placement, const Progress& progress) {
-  refuse_prisms(path, mesh);
   require_boundary_of(mesh, surface);
   AtomicFile file(path);
   file.write(fmt::format("% origin {} {} {}\n", placement.origin[0], placement.origin[1],

@@ -1,5 +1,6 @@
 #include "tetropolis/io/mesh/vtkhdf.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -21,7 +22,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "HDF5 output writes native byte order");
 
-constexpr std::uint8_t kTet = 10;  // VTK_TETRA
+constexpr std::uint8_t kTet = 10, kWedge = 13;  // VTK_TETRA, VTK_WEDGE
 
 /// The group that readers know the file by.
 void make_root(const Hdf5File& file) {
@@ -49,16 +50,17 @@ void make_root(const Hdf5File& file) {
 
 void write_vtkhdf(const std::filesystem::path& path, const ColumnMesh& mesh,
                   const Placement& placement, const Progress& progress) {
-  refuse_prisms(path, mesh);
   const std::vector<CellIndex> cells = cell_offsets(mesh);
   const auto nodes = static_cast<std::uint64_t>(mesh.node_count());
-  const auto count = static_cast<std::uint64_t>(cells.back().value());
+  const CellCounts counts = count_cells(mesh, cells);
+  const std::uint64_t count = counts.all();
+  const std::size_t rows = cells.size() - 1;
   const std::array<Hdf5Dataset, 9> datasets{{
       {"/VTKHDF/NumberOfPoints", Hdf5Type::kInt64, 1, 0},
       {"/VTKHDF/NumberOfCells", Hdf5Type::kInt64, 1, 0},
       {"/VTKHDF/NumberOfConnectivityIds", Hdf5Type::kInt64, 1, 0},
       {"/VTKHDF/Points", Hdf5Type::kFloat64, nodes, 3},
-      {"/VTKHDF/Connectivity", Hdf5Type::kInt64, 4 * count, 0},
+      {"/VTKHDF/Connectivity", Hdf5Type::kInt64, counts.corners(), 0},
       {"/VTKHDF/Offsets", Hdf5Type::kInt64, count + 1, 0},
       {"/VTKHDF/Types", Hdf5Type::kUint8, count, 0},
       {"/VTKHDF/CellData/region", Hdf5Type::kInt32, count, 0},
@@ -73,7 +75,7 @@ void write_vtkhdf(const std::filesystem::path& path, const ColumnMesh& mesh,
         },
         part);
   };
-  for (const std::uint64_t size : {nodes, count, 4 * count})
+  for (const std::uint64_t size : {nodes, count, std::uint64_t{counts.corners()}})
     write_numbers(1, [&](std::size_t) { return size; });
   file.write_next(
       point_rows(mesh),
@@ -82,19 +84,27 @@ void write_vtkhdf(const std::filesystem::path& path, const ColumnMesh& mesh,
       },
       portion(progress, 0, 0.2));
   file.write_next(
-      cells.size() - 1,
+      cell_rows(mesh, cells),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        append_cells<std::int64_t>(mesh, cells, begin, end, buffer);
+        for (std::size_t row = begin; row < end; ++row)
+          for_each_cell_of(mesh, cells, row, [&](const auto& nodes_of_cell) {
+            for (const NodeIndex node : nodes_of_cell) append_raw(buffer, node.value());
+          });
       },
       portion(progress, 0.2, 0.7));
   write_numbers(
-      count + 1, [](std::size_t i) { return static_cast<std::int64_t>(4 * i); },
+      count + 1,
+      [&](std::size_t i) {
+        return static_cast<std::int64_t>(4 * i + 2 * (i - std::min(i, counts.tets)));
+      },
       portion(progress, 0.7, 0.9));
-  write_numbers(count, [](std::size_t) { return kTet; });
+  write_numbers(count, [&](std::size_t i) { return i < counts.tets ? kTet : kWedge; });
   file.write_next(
-      cells.size() - 1,
+      cell_rows(mesh, cells),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        append_regions(mesh, cells, begin, end, buffer);
+        append_regions(mesh, cells, std::min(begin, rows), std::min(end, rows), buffer);
+        for (std::size_t i = std::max(begin, rows); i < end; ++i)
+          append_raw(buffer, kNoBuilding.value());
       },
       portion(progress, 0.9, 1));
   write_numbers(3, [&](std::size_t i) { return placement.origin[i]; });

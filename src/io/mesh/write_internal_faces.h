@@ -1,0 +1,62 @@
+// All faces between two cells, streamed, for formats that are made of faces.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tetropolis/core/progress.h"
+#include "tetropolis/volume/column/column_mesh.h"
+
+#include "internal_faces.h"
+#include "io/file/atomic_file.h"
+#include "io/file/chunked_output.h"
+#include "prism_faces.h"
+#include "volume/column/upper_faces.h"
+
+namespace tetropolis {
+
+/// Cells of columns by triangle, and the faces between those of the upper part and those between
+/// prisms.
+struct CellFaces {
+  explicit CellFaces(const ColumnMesh& mesh)
+      : cells(cell_offsets(mesh)), between_prisms(prism_faces(mesh, cells.back())) {
+    if (!mesh.upper.empty()) in_upper = upper_faces(mesh).inner;
+  }
+  std::vector<CellIndex> cells;  ///< cell_offsets().
+  std::vector<UpperFaces::Inner> in_upper;
+  std::vector<PrismFace> between_prisms;
+};
+
+inline std::size_t corners_of(const InternalFace& face) { return face.nodes.size(); }
+inline std::size_t corners_of(const PrismFace& face) { return face.corners; }
+
+/// Appends what append(face, buffer) does for the faces between two cells in upper-triangular
+/// order, about `bytes` in all. A face is an InternalFace or a PrismFace.
+template <typename Append>
+void write_internal_faces(AtomicFile& file, const ColumnMesh& mesh, const CellFaces& faces,
+                          std::uint64_t bytes, const Append& append, const Progress& progress) {
+  constexpr std::size_t kRows = 16384;  // some hundred kilobytes of output
+  write_chunked(
+      file, mesh.triangle_count(), grain_for(mesh.triangle_count(), bytes),
+      [&](std::size_t begin, std::size_t end, std::string& buffer) {
+        InternalFaces in_columns(mesh, faces.cells);
+        for (const TriangleIndex t : indices<TriangleIndex>(begin, end))
+          for (const InternalFace& face : in_columns.owned_over(t)) append(face, buffer);
+      },
+      progress);
+  write_chunked(file, faces.in_upper.size(), kRows,
+                [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                  for (std::size_t f = begin; f < end; ++f) {
+                    const UpperFaces::Inner& face = faces.in_upper[f];
+                    append(InternalFace{face.cell, face.neighbour, face.nodes}, buffer);
+                  }
+                });
+  write_chunked(file, faces.between_prisms.size(), kRows,
+                [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                  for (std::size_t f = begin; f < end; ++f) append(faces.between_prisms[f], buffer);
+                });
+}
+
+}  // namespace tetropolis
