@@ -1,6 +1,5 @@
 #include "tetropolis/io/mesh/fluent.h"
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
