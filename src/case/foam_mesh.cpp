@@ -162,9 +162,9 @@ FoamMesh read_foam_mesh(const fs::path& folder) {
   if (mesh.face_start.empty()) fail(folder / "faces", "has no faces");
   mesh.owner = FoamFile(folder / "owner").list<std::int32_t>();
   mesh.neighbour = FoamFile(folder / "neighbour").list<std::int32_t>();
-  if (!mesh.owner.empty())
-    mesh.cell_count =
-        static_cast<std::size_t>(*std::max_element(mesh.owner.begin(), mesh.owner.end())) + 1;
+  for (const auto* cells : {&mesh.owner, &mesh.neighbour})
+    for (const std::int32_t cell : *cells)
+      mesh.cell_count = std::max(mesh.cell_count, static_cast<std::size_t>(std::max(cell, 0)) + 1);
   mesh.patches = read_patches(folder / "boundary");
   require_consistent(folder, mesh);
   return mesh;

@@ -161,8 +161,8 @@ def check_openfoam(program, folder):
         assert all(map(math.isfinite, u))
     assert all(math.isclose(a, b, rel_tol=0.02) for a, b in zip(figures[1], figures.get(2, figures[1]))), figures
 
-    # Other domains, and a patch for each building; the wind meets half of a cylinder.
-    for name, more in ("auto", ["--wind-from", FROM]), ("cylinder", ["--sectors", 12]):
+    # Other domains, layers of prisms, and a patch for each building; the wind meets half of a cylinder.
+    for name, more in ("auto", ["--wind-from", FROM, "--boundary-layers", 3]), ("cylinder", ["--sectors", 12]):
         case = city(program, folder / name, "openfoam", "--domain", name, "--far-size", 60, "--building-patches", *more)
         said = run(program, "case", "openfoam", case, *CASE, "--iterations", 10)
         sides = dict(re.findall(r"(\w+) (inlet and outlet|inlet|outlet|slip)(?:,|\n)", said))
