@@ -241,12 +241,11 @@ std::size_t SurfaceFaces::quads_before(std::size_t i) const {
   return low;
 }
 
-std::vector<std::int32_t> SurfaceFaces::corners(std::size_t i) const {
+FaceCorners SurfaceFaces::corners(std::size_t i) const {
   const std::size_t f = triangle(i);
-  const auto& t = surface_.triangles[f];
-  std::vector<std::int32_t> corners(t.begin(), t.end());
-  if (is_quad(i)) corners.push_back(surface_.triangles[f + 1][2]);
-  return corners;
+  const auto& [a, b, c] = surface_.triangles[f];
+  if (!is_quad(i)) return {{a, b, c}, 3};
+  return {{a, b, c, surface_.triangles[f + 1][2]}, 4};
 }
 
 SurfaceMesh select_patches(const SurfaceMesh& surface, std::span<const Patch> patches) {

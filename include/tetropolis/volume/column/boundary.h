@@ -39,6 +39,15 @@ struct SurfaceMesh {
 /// of the domain.
 SurfaceMesh extract_boundary(const ColumnMesh& mesh);
 
+/// The 3 or 4 points of a face, in order.
+struct FaceCorners {
+  std::array<std::int32_t, 4> points{};
+  std::size_t count = 3;
+
+  const std::int32_t* begin() const { return points.data(); }
+  const std::int32_t* end() const { return points.data() + count; }
+};
+
 /// The faces of a surface, whose quadrilaterals are one each. Refers to it.
 class SurfaceFaces {
  public:
@@ -50,8 +59,7 @@ class SurfaceFaces {
     const std::size_t q = quads_before(i);
     return q < surface_.quads.size() && face_of(q) == i;
   }
-  /// Its 3 or 4 points.
-  std::vector<std::int32_t> corners(std::size_t i) const;
+  FaceCorners corners(std::size_t i) const;
   /// How many of the faces before face i are quadrilaterals.
   std::size_t quads_before(std::size_t i) const;
 
