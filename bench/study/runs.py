@@ -115,11 +115,17 @@ class Bench:
         done = subprocess.run([str(program), str(path), str(threads)], stdout=subprocess.PIPE, text=True, check=True)
         return float(done.stdout.split()[1])
 
-    def disk_speed(self, size, sync):
+    def empty_process(self):
+        """Wall seconds of a run that loads the libraries and does nothing."""
+        begin = time.monotonic()
+        subprocess.run([str(self.program), "--version"], check=True, stdout=subprocess.DEVNULL)
+        return time.monotonic() - begin
+
+    def disk_speed(self, size, sync, turns=None):
         """Bytes per second of dd writing a file of `size` bytes, waiting for the disk if `sync`."""
         target = self.scratch / "dd"
         speeds = []
-        for _ in range(max(3, self.repeat)):
+        for _ in range(turns or max(3, self.repeat)):
             begin = time.monotonic()
             subprocess.run(["dd", "if=/dev/zero", f"of={target}", "bs=1M", f"count={max(1, size >> 20)}",
                             *(["conv=fsync"] if sync else [])], check=True, stderr=subprocess.DEVNULL)

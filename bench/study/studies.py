@@ -123,5 +123,40 @@ def output(bench, quick):
     return rows
 
 
-STUDIES = {"cells": cells, "threads": threads, "buildings": buildings, "ground": ground,
+FLOOR_TURNS = 5
+# What a stage of a run consists of, by step ids.
+STAGES = {"read": ["1.1", "1.2"], "city": ["1.3", "1.4", "1.5", "1.6", "2.1", "2.2", "2.3"],
+          "city files": ["1.7", "2.4"], "ground": ["3.1"], "columns": ["3.2", "3.3", "3.4", "3.5"],
+          "quality, boundary, meshes, page": ["3.6"]}
+
+
+def whole(bench, quick):
+    """Whole runs against their floor, in turns: an empty process that loads the same libraries, LASzip alone,
+    and dd of as many bytes."""
+    cases = [(20, 200, 10), (3000, 2500, 10)] + ([] if quick else [(3000, 2500, 4)])
+    rows = []
+    for count, size, h in cases:
+        source = bench.synth(count, size)
+        for threads in (1, 0):
+            case = ["build", *bench.inputs(source), "--mesh-size", h, "--threads", threads]
+            bench.say("in turns: floor, " + " ".join(map(str, case)).replace(str(source), source.name))
+            reports, empty, plain, disk = [], [], [], []
+            for _ in range(bench.repeat if h < 10 else FLOOR_TURNS):
+                empty.append(bench.empty_process())
+                plain.append(bench.plain_laszip(source / "points.laz", 1))
+                reports.append(bench.run_once(case))
+                written = reports[-1]["bytes_written"]
+                disk.append(written / bench.disk_speed(written, 0, 1))
+            row = median_of(reports)
+            parts = {"empty_s": statistics.median(empty),
+                     # LASzip's time is a processor's; the threads share it.
+                     "laszip_s": statistics.median(plain) / row["threads"], "dd_s": statistics.median(disk)}
+            floor = sum(parts.values())
+            stages = {f"stage_{name}": sum(row.get(f"s_{i}", 0) for i in ids) for name, ids in STAGES.items()}
+            rows.append({"buildings": count, "side_m": size, "mesh_size": h, **parts, "floor_s": floor,
+                         "ratio": row["wall_s"] / floor, **stages, **row})
+    return rows
+
+
+STUDIES = {"whole": whole, "cells": cells, "threads": threads, "buildings": buildings, "ground": ground,
            "simplification": simplification, "reading": reading, "output": output}

@@ -19,7 +19,7 @@ constexpr std::array<std::array<std::size_t, 3>, 4> kFaces{
 using Cell = std::array<NodeIndex, 4>;
 using Nodes = std::array<NodeIndex, 3>;
 
-constexpr std::size_t kColumnsPerChunk = 2048;
+constexpr std::size_t kPlacesPerChunk = 16384;
 
 Nodes nodes_of(const Cell& cell, std::size_t face) {
   const auto& corner = kFaces[face];
@@ -66,7 +66,8 @@ UpperNodes::UpperNodes(const ColumnMesh& mesh) : mesh_(mesh) {
 }
 
 std::size_t inner_face_chunks(const ColumnMesh& mesh) {
-  return (mesh.vertex_count() + kColumnsPerChunk - 1) / kColumnsPerChunk;
+  const std::size_t places = mesh.vertex_count() + mesh.upper.points.size();
+  return (places + kPlacesPerChunk - 1) / kPlacesPerChunk;
 }
 
 void visit_inner_faces(
@@ -75,9 +76,8 @@ void visit_inner_faces(
   const auto& cells = mesh.upper.cells;
   const CellIndex first = CellIndex(cell_offsets(mesh)[mesh.triangle_count()]);
   const UpperNodes at(mesh);
-  // A face is looked for over the vertex below its highest node: three of a cell at that of the
-  // cell's highest node, and the one without it at that of the second. So what is looked at
-  // together is near.
+  // A face is looked for at its highest node: three of a cell at that of the cell, and the one
+  // without it at the second.
   const auto two_highest = [](const Cell& cell) {
     NodeIndex highest = std::max(cell[0], cell[1]), second = std::min(cell[0], cell[1]);
     for (const NodeIndex n : {cell[2], cell[3]}) {
@@ -88,46 +88,46 @@ void visit_inner_faces(
     }
     return std::array{highest, second};
   };
-  std::vector<std::uint32_t> begin(mesh.vertex_count() + 1, 0);
+  std::vector<std::uint32_t> begin(at.places() + 1, 0);
   for (const Cell& cell : cells)
-    for (const NodeIndex n : two_highest(cell)) ++begin[at.vertex(n)];
+    for (const NodeIndex n : two_highest(cell)) ++begin[at.place(n)];
   std::inclusive_scan(begin.begin(), begin.end(), begin.begin());
-  std::vector<std::uint32_t> entries(2 * cells.size());  // twice the cell, plus 1 at the second
-  for (std::size_t c = cells.size(); c-- > 0;) {
-    const auto [highest, second] = two_highest(cells[c]);
-    const auto entry = static_cast<std::uint32_t>(2 * c);
-    entries[--begin[at.vertex(second)]] = entry + 1;
-    entries[--begin[at.vertex(highest)]] = entry;
-  }
+  std::vector<std::uint32_t> cells_at(2 * cells.size());
+  for (std::size_t c = cells.size(); c-- > 0;)
+    for (const NodeIndex n : two_highest(cells[c]))
+      cells_at[--begin[at.place(n)]] = static_cast<std::uint32_t>(c);
 
   struct Half {
-    Nodes sorted;
+    std::array<NodeIndex, 2> others;  // than the highest node, in ascending order
     std::uint32_t cell;
     std::uint32_t face;
   };
-  parallel_chunks(mesh.vertex_count(), kColumnsPerChunk, [&](std::size_t v, std::size_t end) {
-    const std::size_t chunk = v / kColumnsPerChunk;
+  parallel_chunks(at.places(), kPlacesPerChunk, [&](std::size_t place, std::size_t end) {
+    const std::size_t chunk = place / kPlacesPerChunk;
     std::vector<Half> halves;
     std::vector<UpperFaces::Inner> faces;
-    for (; v < end; ++v) {
+    for (; place < end; ++place) {
       halves.clear();
-      for (std::uint32_t i = begin[v]; i < begin[v + 1]; ++i) {
-        const std::uint32_t c = entries[i] / 2;
-        const bool is_at_highest = entries[i] % 2 == 0;
-        const NodeIndex highest = two_highest(cells[c])[0];
+      for (std::uint32_t i = begin[place]; i < begin[place + 1]; ++i) {
+        const Cell& cell = cells[cells_at[i]];
+        const auto [highest, second] = two_highest(cell);
+        const NodeIndex here = at.place(highest) == place ? highest : second;
         for (std::uint32_t f = 0; f < 4; ++f) {
-          const Nodes n = nodes_of(cells[c], f);
+          const Nodes n = nodes_of(cell, f);
           const bool has_highest = n[0] == highest || n[1] == highest || n[2] == highest;
-          if (has_highest == is_at_highest) halves.push_back({sorted(n), c, f});
+          if (has_highest != (here == highest)) continue;
+          const auto [a, b] = n[0] == here   ? std::minmax(n[1], n[2])
+                              : n[1] == here ? std::minmax(n[0], n[2])
+                                             : std::minmax(n[0], n[1]);
+          halves.push_back({{a, b}, cells_at[i], f});
         }
       }
       std::sort(halves.begin(), halves.end(), [](const Half& a, const Half& b) {
-        return std::tie(a.sorted[2], a.sorted[1], a.sorted[0], a.cell) <
-               std::tie(b.sorted[2], b.sorted[1], b.sorted[0], b.cell);
+        return std::tie(a.others, a.cell) < std::tie(b.others, b.cell);
       });
       for (std::size_t i = 0; i + 1 < halves.size(); ++i) {
         const Half &half = halves[i], &next = halves[i + 1];
-        if (half.sorted != next.sorted) continue;
+        if (half.others != next.others) continue;
         UpperFaces::Inner face;
         face.cell = first + half.cell;
         face.nodes = nodes_of(cells[half.cell], half.face);

@@ -29,6 +29,12 @@ class UpperNodes {
       return mesh_.upper.points[static_cast<std::size_t>(n.value() - mesh_.column_nodes())];
     return position(mesh_, vertex(n), n);
   }
+  /// Numbers ends of columns, and after them nodes of the upper part: in the same order.
+  std::size_t place(NodeIndex n) const {
+    if (n < mesh_.column_nodes()) return vertex(n);
+    return mesh_.vertex_count() + static_cast<std::size_t>(n.value() - mesh_.column_nodes());
+  }
+  std::size_t places() const { return mesh_.vertex_count() + mesh_.upper.points.size(); }
 
  private:
   static constexpr std::size_t kBlock = 16;  // of nodes

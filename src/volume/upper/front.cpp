@@ -8,7 +8,7 @@
 #include <tuple>
 #include <utility>
 
-#include "tetropolis/core/threads.h"
+#include "tetropolis/geometry/polygon.h"
 #include "tetropolis/volume/quality/cell_quality.h"
 #include "tetropolis/volume/quality/face_quality.h"
 
@@ -53,7 +53,8 @@ constexpr double kLongest = 1.75;
 /// More neighbours than this are not looked at in search of a cover.
 constexpr std::size_t kMostNeighbours = 12;
 
-/// Columns that a strip is to be wide, about.
+/// Columns that a tile is to be wide, about: many more than wait for those at a seam, and few enough
+/// for a cache.
 constexpr double kColumnsAcross = 80;
 
 /// The worst of some cells and faces.
@@ -99,9 +100,10 @@ using Piece = std::int32_t;  // a triangle of the front
 struct FrontTriangle {
   std::array<VertexIndex, 3> corners;
   std::int32_t nth;     // of those that its step made
-  VertexIndex made_by;  // With `order`, as in FrontStep, which step that was;
+  VertexIndex made_by;  // With `order`, as in FrontColumn, which step that was;
   double order;         // -infinity: it is on the lid.
   Point3 centre;        // of the cell below
+  bool is_lid;          // which no cell is on yet
 
   bool is_older(const FrontTriangle& other) const {
     return std::tie(order, made_by, nth) < std::tie(other.order, other.made_by, other.nth);
@@ -112,10 +114,11 @@ struct FrontColumn {
   Point3 at{};                       // the front's node
   double lid = 0, edge = 0;          // elevation of the lid, longest edge on it
   double due = kInfinity;            // its key when it was put into the queue; infinity: done
-  double order = -kInfinity;         // as in FrontStep
+  double order = -kInfinity;    // Steps are taken by this, by vertex, and as they come.
+  std::int32_t nth = 0, cells = 0;  // Nodes above the lid, and cells made.
   double spacing = 0;                // In the front as it is,
   double longest = -1;               // as is the longest edge; negative: to be found anew.
-  std::int32_t strip = 0, held = 0;  // The phase in which it, or one around it, is left for later.
+  std::int32_t tile = 0, held = 0;  // The phase in which it, or one around it, is left for later.
   bool stays = false;                // at the rim
 };
 
@@ -152,19 +155,19 @@ Front::Front(const ColumnMesh& mesh, double top_, std::span<const double> shares
   for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     const auto& v = mesh.ground.triangles[t];
     for (const VertexIndex u : v) around[u].push_back(t.value());
-    triangles[t] = {v, t.value(), VertexIndex(0), -kInfinity, centre_of(uppermost_cell(mesh, t))};
+    triangles[t] = {v, t.value(), VertexIndex(0), -kInfinity, centre_of(uppermost_cell(mesh, t)), true};
   }
 }
 
-/// Has columns of one strip climb.
+/// Has columns of one tile climb.
 class Climber {
  public:
   Climber(Front& front, FrontSteps& done) : front_(front), done_(done) {}
 
   /// When the column is due for the first time.
   void set_due(VertexIndex v);
-  /// In the phase, from 1 on, in which the columns of the strip are these.
-  void climb(std::span<const VertexIndex> columns, std::int32_t strip, std::int32_t phase);
+  /// In the phase, from 1 on, in which the columns of the tile are these.
+  void climb(std::span<const VertexIndex> columns, std::int32_t tile, std::int32_t phase);
 
  private:
   /// A triangle around a vertex, from which it is to the left of the edge from `vertex` to `next`.
@@ -200,6 +203,17 @@ class Climber {
   }
   std::pair<double, double> best_rise(VertexIndex v) const;
   Worst worst_of_rise(VertexIndex v, double to, double least_share) const;
+  FrontNode node(VertexIndex v) const { return {v, column(v).nth}; }
+  void add_step(VertexIndex v, double to) {
+    done_.steps.push_back(
+        {to, node(v), static_cast<std::int32_t>(star_.size()), column(v).cells,
+         done_.others.size()});
+  }
+  /// By the nth cell of the step of v.
+  void cover(const Spoke& spoke, VertexIndex v, std::int32_t nth) {
+    if (!std::exchange(triangle(spoke).is_lid, false)) return;
+    done_.covered.push_back({TriangleIndex(spoke.piece), v, column(v).cells + nth});
+  }
   void rise(VertexIndex v, double to);
   bool end(VertexIndex v, double least_share, double least_angle);
 
@@ -306,15 +320,17 @@ Worst Climber::worst_of_rise(VertexIndex v, double to, double least_share) const
 
 void Climber::rise(VertexIndex v, double to) {
   FrontColumn& own = column(v);
-  done_.steps.push_back(
-      {own.order, to, v, static_cast<std::int32_t>(star_.size()), done_.numbers.size()});
-  for (const Spoke& spoke : star_) done_.numbers.push_back(spoke.vertex.value());
-  done_.numbers.push_back(star_.back().next.value());
+  add_step(v, to);
+  for (const Spoke& spoke : star_) done_.others.push_back(node(spoke.vertex));
+  done_.others.push_back(node(star_.back().next));
   const Point3 up{own.at[0], own.at[1], to};
-  for (const Spoke& spoke : star_) {
-    done_.numbers.push_back(spoke.piece);
+  for (std::size_t i = 0; i < star_.size(); ++i) {
+    const Spoke& spoke = star_[i];
+    cover(spoke, v, static_cast<std::int32_t>(i));
     triangle(spoke).centre = centre_of({own.at, at(spoke.vertex), at(spoke.next), up});
   }
+  own.cells += done_.steps.back().cells();
+  ++own.nth;
   own.at = up;
 }
 
@@ -393,8 +409,8 @@ bool Climber::end(VertexIndex v, double least_share, double least_angle) {
   over[n - 1] = static_cast<std::int32_t>(caps.size()) - 1;
 
   const double order = column(v).order;
-  done_.steps.push_back({order, std::numeric_limits<double>::quiet_NaN(), v,
-                         static_cast<std::int32_t>(n), done_.numbers.size()});
+  add_step(v, std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t i = 0; i < n; ++i) cover(star_[i], v, over[i]);
   for (const Spoke& spoke : star_) {
     column(spoke.vertex).longest = -1;
     for (const VertexIndex u : {spoke.vertex, spoke.next})
@@ -403,11 +419,11 @@ bool Climber::end(VertexIndex v, double least_share, double least_angle) {
   for (std::size_t i = 0; i < caps.size(); ++i) {
     const Piece piece = star_[i].piece;  // there are two more of them
     FrontTriangle& cap = triangle(star_[i]);
-    cap = {{}, static_cast<std::int32_t>(i), v, order, caps[i].centre};
+    cap = {{}, static_cast<std::int32_t>(i), v, order, caps[i].centre, false};
     for (std::size_t c = 0; c < 3; ++c) {
       const VertexIndex corner = star_[caps[i].ring[c]].vertex;
       cap.corners[c] = corner;
-      done_.numbers.push_back(corner.value());
+      done_.others.push_back(node(corner));
       // Younger ones may be there already: others, as far away, have gone before their turn.
       auto& around = front_.around[corner];
       auto place = around.end();
@@ -417,13 +433,11 @@ bool Climber::end(VertexIndex v, double least_share, double least_angle) {
       around.insert(place, piece);
     }
   }
-  for (const Spoke& spoke : star_) done_.numbers.push_back(spoke.piece);
-  for (std::size_t i = 0; i < n; ++i) done_.numbers.push_back(over[i]);
   front_.around[v].clear();
   return true;
 }
 
-void Climber::climb(std::span<const VertexIndex> columns, std::int32_t strip, std::int32_t phase) {
+void Climber::climb(std::span<const VertexIndex> columns, std::int32_t tile, std::int32_t phase) {
   using Entry = std::pair<double, VertexIndex>;
   std::vector<Entry> entries;
   for (const VertexIndex v : columns) entries.emplace_back(column(v).due, v);
@@ -436,7 +450,7 @@ void Climber::climb(std::span<const VertexIndex> columns, std::int32_t strip, st
     find_star(v);
     bool waits = false;  // Those that are held are due before.
     for_each_around([&](VertexIndex u) {
-      waits = waits || column(u).strip != strip || column(u).held == phase;
+      waits = waits || column(u).tile != tile || column(u).held == phase;
     });
     if (waits) {
       own.held = phase;
@@ -464,40 +478,39 @@ void Climber::climb(std::span<const VertexIndex> columns, std::int32_t strip, st
   }
 }
 
-/// Vertices by strips with as many each, across the longer side of their box. `shift`: the first
-/// and the last have half as many, and there is one more.
-std::vector<std::vector<VertexIndex>> divide(Front& front, std::size_t strips, bool shift) {
-  std::size_t axis = 0;
-  std::array<std::vector<double>, 2> along;
-  for (const FrontColumn& column : front.columns)
-    for (std::size_t i = 0; i < 2; ++i) along[i].push_back(column.at[i]);
-  for (auto& values : along) std::sort(values.begin(), values.end());
-  if (along[1].back() - along[1].front() > along[0].back() - along[0].front()) axis = 1;
-  const std::vector<double>& sorted = along[axis];
-  std::vector<double> seams;
-  for (std::size_t i = shift ? 0 : 1; i < strips; ++i)
-    seams.push_back(sorted[sorted.size() * (2 * i + (shift ? 1 : 0)) / (2 * strips)]);
-  std::vector<std::vector<VertexIndex>> result(seams.size() + 1);
-  for (const VertexIndex v : indices<VertexIndex>(front.columns.size())) {
-    FrontColumn& column = front.columns[v];
-    const auto seam = std::upper_bound(seams.begin(), seams.end(), column.at[axis]);
-    column.strip = static_cast<std::int32_t>(seam - seams.begin());
-    if (column.due < kInfinity) result[static_cast<std::size_t>(column.strip)].push_back(v);
+/// Square tiles over the ground, from its lower left corner or shifted by half of one.
+class Tiles {
+ public:
+  /// `along`: the longer side.
+  Tiles(const GroundMesh& ground, std::size_t along) {
+    const Bounds2 box = bounds(ground.vertices);
+    corner_ = {box.xmin, box.ymin};
+    side_ = std::max(box.width(), box.height()) / static_cast<double>(along);
+    columns_ = static_cast<std::size_t>(box.width() / side_) + 2;
+    rows_ = static_cast<std::size_t>(box.height() / side_) + 2;
   }
-  return result;
-}
+  std::size_t size() const { return columns_ * rows_; }
+  std::size_t at(const Point3& p, double shift_x, double shift_y) const {
+    const auto x = static_cast<std::size_t>((p[0] - corner_.x) / side_ + shift_x);
+    const auto y = static_cast<std::size_t>((p[1] - corner_.y) / side_ + shift_y);
+    return y * columns_ + x;
+  }
+
+ private:
+  Point2 corner_;
+  double side_ = 0;
+  std::size_t columns_ = 0, rows_ = 0;
+};
 
 }  // namespace
 
-std::size_t useful_strips(const ColumnMesh& mesh) {
-  // Across a strip there are to be many more columns than wait for those at a seam.
+std::size_t useful_tiles(const ColumnMesh& mesh) {
   const double across = std::sqrt(static_cast<double>(mesh.vertex_count())) / kColumnsAcross;
-  const int threads = thread_count();
-  return static_cast<std::size_t>(std::clamp(across, 1.0, threads > 1 ? 2.0 * threads : 1.0));
+  return static_cast<std::size_t>(std::max(across, 1.0));
 }
 
 std::vector<FrontSteps> climb_to_top(const ColumnMesh& mesh, double top,
-                                     std::span<const double> shares, std::size_t strips) {
+                                     std::span<const double> shares, std::size_t tiles) {
   Front front(mesh, top, shares);
   parallel_chunks(front.columns.size(), 4096, [&](std::size_t begin, std::size_t end) {
     FrontSteps none;
@@ -506,20 +519,28 @@ std::vector<FrontSteps> climb_to_top(const ColumnMesh& mesh, double top,
   });
   std::vector<FrontSteps> all;
   std::int32_t phase = 0;
-  const auto climb = [&](std::size_t count, bool shift) {
-    const std::vector<std::vector<VertexIndex>> columns = divide(front, count, shift);
+  const auto climb = [&](std::size_t count, const auto& tile_at) {
+    std::vector<std::vector<VertexIndex>> columns(count);
+    for (const VertexIndex v : mesh.ground.vertices.indices()) {
+      const std::size_t tile = tile_at(front.columns[v].at);
+      front.columns[v].tile = static_cast<std::int32_t>(tile);
+      if (front.columns[v].due < kInfinity) columns[tile].push_back(v);
+    }
     const std::size_t begin = all.size();
-    all.resize(begin + columns.size());
+    all.resize(begin + count);
     ++phase;
-    parallel_in_order(columns.size(), [&](std::size_t i) {
+    parallel_in_order(count, [&](std::size_t i) {
       Climber(front, all[begin + i]).climb(columns[i], static_cast<std::int32_t>(i), phase);
     });
   };
-  if (strips > 1) {
-    climb(strips, false);
-    climb(strips, true);
+  if (tiles > 1) {
+    const Tiles grid(mesh.ground, tiles);
+    for (const auto& [x, y] : {std::pair(0.0, 0.0), {0.5, 0.5}, {0.5, 0.0}, {0.0, 0.5}}) {
+      const double shift_x = x, shift_y = y;
+      climb(grid.size(), [&](const Point3& p) { return grid.at(p, shift_x, shift_y); });
+    }
   }
-  climb(1, false);
+  climb(1, [](const Point3&) { return std::size_t{0}; });
   return all;
 }
 

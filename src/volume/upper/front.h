@@ -2,9 +2,10 @@
 //
 // What a column does depends on those around it only, and on which of them have moved before. So a
 // column may go as soon as all around it are to go later, whatever is going on elsewhere, and all
-// is as if one thread had taken them in order. The ground is divided into strips, one thread to
-// each: columns beside another strip stay, and so do those that wait for them; strips across the
-// seams are next; what is left then, if anything, is done in one piece.
+// is as if one thread had taken them in order. The ground is divided into tiles, one thread to
+// each, which are as small as fits a cache: columns beside another tile stay, and so do those that
+// wait for them; tiles across the seams are next, and those across their seams. What is left then,
+// if anything, is done in one piece.
 #pragma once
 
 #include <cmath>
@@ -17,36 +18,50 @@
 
 namespace tetropolis {
 
-/// What a column does: it rises, or ends and leaves its hole to cells under new triangles.
-struct FrontStep {
-  double order;  ///< Steps are taken by `order`, vertex, and as they come.
-  double to;     ///< Elevation; not a number if it ends.
+/// A node by its column and its place there: 0 is on the lid.
+struct FrontNode {
   VertexIndex vertex;
-  std::int32_t around;  ///< How many triangles of the front there are.
-  std::size_t numbers;  ///< Where in FrontSteps::numbers its own begin.
+  std::int32_t nth;
+};
+
+/// What a column does: it rises, or ends and leaves its hole to cells under new triangles. Its cells
+/// have the column's node in common and are told by their others.
+struct FrontStep {
+  double to;       ///< Elevation; not a number if it ends.
+  FrontNode node;  ///< Where it is.
+  std::int32_t around;        ///< How many triangles of the front there are.
+  std::int32_t cells_before;  ///< In its column.
+  std::size_t others;   ///< Where in FrontSteps::others its own begin.
 
   bool is_end() const { return std::isnan(to); }
   /// How many cells it makes.
-  std::size_t cells() const { return static_cast<std::size_t>(is_end() ? around - 2 : around); }
+  std::int32_t cells() const { return is_end() ? around - 2 : around; }
 };
 
+/// A cell on the stack over a triangle.
+struct CoveredTriangle {
+  TriangleIndex triangle;
+  VertexIndex vertex;  ///< Its column has made the cell,
+  std::int32_t nth;    ///< after so many others.
+};
+
+/// Each column's steps are in order.
 struct FrontSteps {
   std::vector<FrontStep> steps;
-  /// Of a step that rises: the around + 1 vertices around it, counter-clockwise, of which the last
-  /// is the first again unless it is at the rim; then the `around` triangles of the ground mesh,
-  /// which the front's have the numbers of. Of one that ends: the vertices of its cells, three of
-  /// each; then the triangles around it, and for each of them the cell over it, from 0 on.
-  std::vector<std::int32_t> numbers;
+  /// Of a step that rises: the around + 1 nodes around it, counter-clockwise, of which the last is
+  /// the first again unless it is at the rim. Of one that ends, three for each cell.
+  std::vector<FrontNode> others;
+  std::vector<CoveredTriangle> covered;
   /// Vertices at which cells came below the floor, and those beside them.
   std::vector<VertexIndex> poor;
 };
 
-/// `shares`: per vertex, of the spacing that segments are to have. See grow_upper(). The steps are
-/// the same for any number of strips >= 1.
+/// `shares`: per vertex, of the spacing that segments are to have. See grow_upper(). `tiles`: along
+/// the longer side of the ground, >= 1; the steps are the same for any number.
 std::vector<FrontSteps> climb_to_top(const ColumnMesh& mesh, double top,
-                                     std::span<const double> shares, std::size_t strips);
+                                     std::span<const double> shares, std::size_t tiles);
 
-/// How many strips are worth while: few on small ground, and one without other threads.
-std::size_t useful_strips(const ColumnMesh& mesh);
+/// How many are worth while.
+std::size_t useful_tiles(const ColumnMesh& mesh);
 
 }  // namespace tetropolis

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <tuple>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -22,94 +22,72 @@ namespace {
 constexpr double kShorter = 0.85;
 constexpr int kMostRounds = 6;
 
-/// Steps in the order that numbers its nodes and cells.
-class UpperMaker {
- public:
-  explicit UpperMaker(const ColumnMesh& mesh);
-  UpperMesh make(const std::vector<FrontSteps>& all);
-
- private:
-  void add(const FrontStep& step, const std::int32_t* numbers);
-  void cover(std::int32_t triangle, std::int64_t cell) {
-    CellIndex& over = upper_.over_lid[static_cast<std::size_t>(triangle)];
-    if (over == kNoCell) over = CellIndex(first_cell_ + cell);
-  }
-  NodeIndex node(std::int32_t vertex) const { return node_[static_cast<std::size_t>(vertex)]; }
-
-  const ColumnMesh& mesh_;
-  std::int64_t first_cell_;
-  std::vector<NodeIndex> node_;  // per vertex, the front's
-  UpperMesh upper_;
-};
-
-UpperMaker::UpperMaker(const ColumnMesh& mesh)
-    : mesh_(mesh), first_cell_(cell_offsets(mesh).back().value()) {
-  for (const VertexIndex v : mesh.ground.vertices.indices()) node_.push_back(mesh.top(v));
-  upper_.over_lid.assign(mesh.triangle_count(), kNoCell);
+/// Per column, and one more: where its own begin.
+template <typename Count>
+std::vector<std::int64_t> offsets(const std::vector<FrontSteps>& all, std::size_t columns,
+                                  const Count& count) {
+  std::vector<std::int64_t> begin(columns + 1, 0);
+  for (const FrontSteps& part : all)
+    for (const FrontStep& step : part.steps) begin[step.node.vertex + 1] += count(step);
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  return begin;
 }
 
-void UpperMaker::add(const FrontStep& step, const std::int32_t* numbers) {
-  const auto made = static_cast<std::int64_t>(upper_.cells.size());
-  const auto around = static_cast<std::size_t>(step.around);
-  NodeIndex& own = node_[step.vertex];
-  if (step.is_end()) {
-    const std::size_t cells = step.cells();
-    for (std::size_t c = 0; c < cells; ++c, numbers += 3)
-      upper_.cells.push_back({own, node(numbers[0]), node(numbers[1]), node(numbers[2])});
-    for (std::size_t i = 0; i < around; ++i) cover(numbers[i], made + numbers[around + i]);
-    return;
-  }
-  const NodeIndex next(mesh_.column_nodes() + static_cast<std::int64_t>(upper_.points.size()));
-  const Point2 p = mesh_.ground.vertices[step.vertex];
-  upper_.points.push_back({p.x, p.y, step.to});
-  upper_.vertex.push_back(step.vertex);
-  for (std::size_t i = 0; i < around; ++i) {
-    upper_.cells.push_back({own, node(numbers[i]), node(numbers[i + 1]), next});
-    cover(numbers[around + 1 + i], made + static_cast<std::int64_t>(i));
-  }
-  own = next;
-}
-
-UpperMesh UpperMaker::make(const std::vector<FrontSteps>& all) {
-  struct Place {
-    double order;
-    VertexIndex vertex;
-    std::int32_t part;
-    std::size_t step;
+/// Nodes and cells are numbered column by column and upwards, as those below: what is near has
+/// numbers that are.
+UpperMesh mesh_of(const std::vector<FrontSteps>& all, const ColumnMesh& mesh) {
+  const std::size_t columns = mesh.vertex_count();
+  const auto first_point =
+      offsets(all, columns, [](const FrontStep& step) { return step.is_end() ? 0 : 1; });
+  const auto first_cell = offsets(all, columns, [](const FrontStep& step) { return step.cells(); });
+  const auto node = [&](FrontNode n) {
+    if (n.nth == 0) return mesh.top(n.vertex);
+    return NodeIndex(mesh.column_nodes() + first_point[n.vertex] + n.nth - 1);
   };
-  std::vector<Place> places;
-  std::size_t cells = 0, points = 0;
-  for (std::size_t part = 0; part < all.size(); ++part)
-    for (std::size_t i = 0; i < all[part].steps.size(); ++i) {
-      const FrontStep& step = all[part].steps[i];
-      places.push_back({step.order, step.vertex, static_cast<std::int32_t>(part), i});
-      cells += step.cells();
-      points += step.is_end() ? 0 : 1;
+  UpperMesh upper;
+  upper.points.resize(static_cast<std::size_t>(first_point.back()));
+  upper.vertex.resize(upper.points.size());
+  upper.cells.resize(static_cast<std::size_t>(first_cell.back()));
+  upper.over_lid.assign(mesh.triangle_count(), kNoCell);
+  const std::int64_t lowest = cell_offsets(mesh).back().value();
+  parallel_in_order(all.size(), [&](std::size_t i) {
+    const FrontSteps& part = all[i];
+    for (const FrontStep& step : part.steps) {
+      const VertexIndex v = step.node.vertex;
+      const NodeIndex own = node(step.node);
+      const FrontNode* others = part.others.data() + step.others;
+      auto cell = static_cast<std::size_t>(first_cell[v] + step.cells_before);
+      const auto add = [&](FrontNode a, FrontNode b, NodeIndex last) {
+        upper.cells[cell++] = {own, node(a), node(b), last};
+      };
+      if (step.is_end()) {
+        for (std::int32_t k = 0; k < step.cells(); ++k, others += 3)
+          add(others[0], others[1], node(others[2]));
+        continue;
+      }
+      const NodeIndex top = node({v, step.node.nth + 1});
+      const auto point = static_cast<std::size_t>(top.value() - mesh.column_nodes());
+      const Point2 p = mesh.ground.vertices[v];
+      upper.points[point] = {p.x, p.y, step.to};
+      upper.vertex[point] = v;
+      for (std::int32_t k = 0; k < step.around; ++k) add(others[k], others[k + 1], top);
     }
-  parallel_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
-    return std::tie(a.order, a.vertex, a.part, a.step) <
-           std::tie(b.order, b.vertex, b.part, b.step);
+    for (const CoveredTriangle& covered : part.covered)
+      upper.over_lid[covered.triangle] =
+          CellIndex(lowest + first_cell[covered.vertex] + covered.nth);
   });
-  upper_.cells.reserve(cells);
-  upper_.points.reserve(points);
-  upper_.vertex.reserve(points);
-  for (const Place& place : places) {
-    const FrontSteps& part = all[static_cast<std::size_t>(place.part)];
-    const FrontStep& step = part.steps[place.step];
-    add(step, part.numbers.data() + step.numbers);
-  }
-  return std::move(upper_);
+  return upper;
 }
 
 }  // namespace
 
-UpperMesh grow_upper(const ColumnMesh& mesh, double top, std::size_t strips) {
-  if (strips == 0) strips = useful_strips(mesh);
+UpperMesh grow_upper(const ColumnMesh& mesh, double top, std::size_t tiles) {
+  if (tiles == 0) tiles = useful_tiles(mesh);
   std::vector<double> shares(mesh.vertex_count(), 1.0);
   std::vector<FrontSteps> best;
   std::size_t fewest = std::numeric_limits<std::size_t>::max();
   for (int round = 0; round < kMostRounds && fewest > 0; ++round) {
-    std::vector<FrontSteps> steps = climb_to_top(mesh, top, shares, strips);
+    std::vector<FrontSteps> steps = climb_to_top(mesh, top, shares, tiles);
     std::vector<VertexIndex> poor;
     for (const FrontSteps& part : steps)
       poor.insert(poor.end(), part.poor.begin(), part.poor.end());
@@ -120,7 +98,7 @@ UpperMesh grow_upper(const ColumnMesh& mesh, double top, std::size_t strips) {
     sort_once(poor);
     for (const VertexIndex v : poor) shares[v] *= kShorter;
   }
-  return UpperMaker(mesh).make(best);
+  return mesh_of(best, mesh);
 }
 
 }  // namespace tetropolis

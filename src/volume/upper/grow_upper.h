@@ -13,12 +13,13 @@ namespace tetropolis {
 /// hole is covered by triangles between these, and under each of them lies a tet. So the longer
 /// the way to the lid, the fewer columns are left, and their segments are as long as their
 /// triangles are wide. Columns at the rim of the domain, and beside it, go on to the top.
+/// Nodes and cells are numbered by column and upwards.
 ///
 /// Cells keep to kGoodAngles and to kMostNonOrthogonal wherever there is a way to; a column ends
 /// only where they do. What happens at a place depends on its surroundings only. Takes time N log
 /// N, and while it runs 25 bytes per cell besides the result; the same bits on every machine, for
-/// any number of threads and of strips that these are given (front.h; 0: as are useful).
+/// any number of threads and of tiles that these are given (front.h; 0: as are useful).
 /// Precondition: `mesh` is valid and has no upper part; its columns end below `top` or at it.
-UpperMesh grow_upper(const ColumnMesh& mesh, double top, std::size_t strips = 0);
+UpperMesh grow_upper(const ColumnMesh& mesh, double top, std::size_t tiles = 0);
 
 }  // namespace tetropolis

@@ -217,7 +217,7 @@ TEST(Lid, IsAboveTheFloorsAndNoSteeperThanItMayBe) {
     }
 }
 
-TEST(GrowUpper, IsTheSameForAnyNumberOfStrips) {
+TEST(GrowUpper, IsTheSameForAnyNumberOfTiles) {
   for (const auto& [name, terrain] : testing::kHardTerrains) {
     SCOPED_TRACE(name);
     ColumnMesh mesh = grown(terrain, 4).mesh;
@@ -225,8 +225,8 @@ TEST(GrowUpper, IsTheSameForAnyNumberOfStrips) {
     const double top =
         (*std::max_element(one.points.begin(), one.points.end(),
                            [](const Point3& a, const Point3& b) { return a[2] < b[2]; }))[2];
-    for (const std::size_t strips : {1, 2, 3, 7}) {
-      const UpperMesh several = grow_upper(mesh, top, strips);
+    for (const std::size_t tiles : {1, 2, 3, 7}) {
+      const UpperMesh several = grow_upper(mesh, top, tiles);
       EXPECT_EQ(several.points, one.points);
       EXPECT_EQ(several.vertex, one.vertex);
       EXPECT_EQ(several.cells, one.cells);
