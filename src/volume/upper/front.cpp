@@ -53,8 +53,8 @@ constexpr double kLongest = 1.75;
 /// More neighbours than this are not looked at in search of a cover.
 constexpr std::size_t kMostNeighbours = 12;
 
-/// Columns that a tile is to be wide, about: many more than wait for those at a seam, and few enough
-/// for a cache.
+/// Columns that a tile is to be wide, about: many more than wait for those at a seam, and few
+/// enough for a cache.
 constexpr double kColumnsAcross = 80;
 
 /// The worst of some cells and faces.
@@ -111,15 +111,15 @@ struct FrontTriangle {
 };
 
 struct FrontColumn {
-  Point3 at{};                       // the front's node
-  double lid = 0, edge = 0;          // elevation of the lid, longest edge on it
-  double due = kInfinity;            // its key when it was put into the queue; infinity: done
-  double order = -kInfinity;    // Steps are taken by this, by vertex, and as they come.
+  Point3 at{};                      // the front's node
+  double lid = 0, edge = 0;         // elevation of the lid, longest edge on it
+  double due = kInfinity;           // its key when it was put into the queue; infinity: done
+  double order = -kInfinity;        // Steps are taken by this, by vertex, and as they come.
   std::int32_t nth = 0, cells = 0;  // Nodes above the lid, and cells made.
-  double spacing = 0;                // In the front as it is,
-  double longest = -1;               // as is the longest edge; negative: to be found anew.
+  double spacing = 0;               // In the front as it is,
+  double longest = -1;              // as is the longest edge; negative: to be found anew.
   std::int32_t tile = 0, held = 0;  // The phase in which it, or one around it, is left for later.
-  bool stays = false;                // at the rim
+  bool stays = false;               // at the rim
 };
 
 /// The front.
@@ -155,7 +155,8 @@ Front::Front(const ColumnMesh& mesh, double top_, std::span<const double> shares
   for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     const auto& v = mesh.ground.triangles[t];
     for (const VertexIndex u : v) around[u].push_back(t.value());
-    triangles[t] = {v, t.value(), VertexIndex(0), -kInfinity, centre_of(uppermost_cell(mesh, t)), true};
+    triangles[t] = {v,   t.value(), VertexIndex(0), -kInfinity, centre_of(uppermost_cell(mesh, t)),
+                    true};
   }
 }
 
@@ -205,9 +206,8 @@ class Climber {
   Worst worst_of_rise(VertexIndex v, double to, double least_share) const;
   FrontNode node(VertexIndex v) const { return {v, column(v).nth}; }
   void add_step(VertexIndex v, double to) {
-    done_.steps.push_back(
-        {to, node(v), static_cast<std::int32_t>(star_.size()), column(v).cells,
-         done_.others.size()});
+    done_.steps.push_back({to, node(v), static_cast<std::int32_t>(star_.size()), column(v).cells,
+                           done_.others.size()});
   }
   /// By the nth cell of the step of v.
   void cover(const Spoke& spoke, VertexIndex v, std::int32_t nth) {
@@ -449,9 +449,8 @@ void Climber::climb(std::span<const VertexIndex> columns, std::int32_t tile, std
     FrontColumn& own = column(v);
     find_star(v);
     bool waits = false;  // Those that are held are due before.
-    for_each_around([&](VertexIndex u) {
-      waits = waits || column(u).tile != tile || column(u).held == phase;
-    });
+    for_each_around(
+        [&](VertexIndex u) { waits = waits || column(u).tile != tile || column(u).held == phase; });
     if (waits) {
       own.held = phase;
       continue;

@@ -24,14 +24,14 @@ struct FrontNode {
   std::int32_t nth;
 };
 
-/// What a column does: it rises, or ends and leaves its hole to cells under new triangles. Its cells
-/// have the column's node in common and are told by their others.
+/// What a column does: it rises, or ends and leaves its hole to cells under new triangles. Its
+/// cells have the column's node in common and are told by their others.
 struct FrontStep {
-  double to;       ///< Elevation; not a number if it ends.
-  FrontNode node;  ///< Where it is.
+  double to;                  ///< Elevation; not a number if it ends.
+  FrontNode node;             ///< Where it is.
   std::int32_t around;        ///< How many triangles of the front there are.
   std::int32_t cells_before;  ///< In its column.
-  std::size_t others;   ///< Where in FrontSteps::others its own begin.
+  std::size_t others;         ///< Where in FrontSteps::others its own begin.
 
   bool is_end() const { return std::isnan(to); }
   /// How many cells it makes.
