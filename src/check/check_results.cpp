@@ -161,16 +161,18 @@ void check_heights_of(const Raster& terrain, const TetMesh& mesh, const SurfaceM
                       const std::optional<ReportedRun>& report, CheckedFile& file) {
   const double min_wall = report ? report->report.config.min_wall_height : Config{}.min_wall_height;
   const Config config = report ? report->report.config : Config{};
-  const LayersCheck layers =
-      check_prism_layers(mesh, surface, config.first_layer, config.boundary_layers);
+  // Cells that are prisms have five layers below them if none are asked for.
+  const bool whole = mesh.cells.empty();
+  const int count = whole && config.boundary_layers == 0 ? 5 : config.boundary_layers;
+  const LayersCheck layers = check_prism_layers(mesh, surface, config.first_layer, count);
   const HeightsCheck check =
       check_heights(surface, shift, terrain, city, min_wall,
                     report ? std::optional(report->excavated) : std::nullopt, layers.height);
   if (layers.columns > 0) {
-    file.facts.push_back(
-        fmt::format("layers: growth at most {:.4f}; the lowest is {} m high over "
-                    "{:.2f} % of the ground",
-                    layers.greatest_growth, config.first_layer, 100 * layers.share_as_asked));
+    file.facts.push_back(fmt::format("layers: growth at most {:.4f}; the lowest is {} m high over "
+                                     "{:.2f} % of the ground",
+                                     layers.greatest_growth, config.first_layer,
+                                     100 * layers.share_as_asked));
     if (report && report->has_mesh()) {
       compare("growth of layers", layers.greatest_growth, 0, config.layer_growth,
               config.layer_growth + 1e-6, file);

@@ -13,6 +13,7 @@
 #include "volume/column/levels.h"
 #include "volume/column/roof_heights.h"
 #include "volume/layered/free_top.h"
+#include "volume/layered/ladder.h"
 #include "volume/layered/layered_mesh.h"
 #include "volume/layered/smooth.h"
 #include "volume/layers/prism_layers.h"
@@ -117,6 +118,22 @@ ColumnPlan plan_of(const MeshCityOptions& options, const CityParts& parts, const
   return plan;
 }
 
+/// The layers that columns of prisms share. Found by trial: half the mesh size between buildings
+/// resolves walls as tets do, and four of them above are four times as many cells fewer.
+std::vector<double> ladder_of(const MeshCityOptions& options, const ColumnPlan& plan) {
+  constexpr double kCanopy = 0.5, kFar = 4;
+  const LayerHeights& below = options.boundary_layers;
+  LadderSpacing spacing;
+  spacing.first = below.first * std::pow(below.growth, below.count);
+  spacing.growth = std::max(below.growth, 1.05);
+  spacing.canopy = std::max(kCanopy * options.mesh_size, spacing.first);
+  spacing.far = std::max(kFar * options.mesh_size, spacing.canopy);
+  const auto& roofs = plan.roofs.flat;
+  const double highest =
+      roofs.empty() ? plan.layers.bottom : *std::max_element(roofs.begin(), roofs.end());
+  return make_ladder(plan.layers.bottom, highest, plan.layers.top, spacing);
+}
+
 /// Steps 3.2 to 3.5 as in the paper; with graded columns as far as the top they give.
 Columns smooth_columns(const MeshCityOptions& options, const CityParts& parts, const Raster& dtm,
                        const CitySize& size, GroundMesh ground, StepClock& clock,
@@ -125,6 +142,13 @@ Columns smooth_columns(const MeshCityOptions& options, const CityParts& parts, c
   LayeredMesh layered = clock.run("3.2", "layers", [&](const Progress&) {
     plan = plan_of(options, parts, dtm, ground, nullptr, spacing_of(options, ground), result);
     const auto triangles = static_cast<double>(ground.triangles.size());
+    if (options.cells == Cells::kPrisms) {
+      std::vector<double> ladder = ladder_of(options, plan);
+      plan.layers.layers = static_cast<std::int32_t>(ladder.size()) - 1;
+      result.volume_facts.layers = plan.layers.layers;
+      require_cells_fit(options, size, triangles, 3 * triangles * plan.layers.layers);
+      return make_layers(std::move(ground), std::move(ladder));
+    }
     require_cells_fit(options, size, triangles, 3 * triangles * plan.layers.layers);
     return make_layers(std::move(ground), plan.layers.layers, plan.layers.bottom, plan.layers.top);
   });
@@ -144,7 +168,7 @@ Columns smooth_columns(const MeshCityOptions& options, const CityParts& parts, c
     return smooth_to_roofs(layered, plan.lowest_roof, plan.roofs.flat, smooth, progress);
   });
   keep_solver("3.5", to_roofs, result);
-  if (options.layering == Layering::kUniform)
+  if (options.layering == Layering::kUniform || options.cells == Cells::kPrisms)
     return {std::move(plan), columns_of_layers(std::move(layered))};
   for (const VertexIndex v : layered.ground.vertices.indices())
     plan.top[v] = layered.column(v)[layered.layers];

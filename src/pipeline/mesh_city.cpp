@@ -16,6 +16,7 @@
 
 #include "city_parts.h"
 #include "core/sort_once.h"
+#include "core/units.h"
 #include "ground/size_field.h"
 #include "ground/validate.h"
 #include "make_columns.h"
@@ -38,6 +39,9 @@ constexpr double kGreatestStep = 4;
 constexpr double kTargetError = 0.02;
 constexpr int kMostRounds = 12;
 
+/// Boundary layers where cells are prisms and none are asked for.
+constexpr int kLayersBelowPrisms = 5;
+
 CitySize size_of(const MeshCityOptions& options, const CityModel& city, const Raster& dtm) {
   CitySize size;
   size.area = city.domain.area();
@@ -58,6 +62,56 @@ CitySize size_of(const MeshCityOptions& options, const CityModel& city, const Ra
     for (auto& [edge, area] : size.sizes) area *= share;
   }
   return size;
+}
+
+/// Prisms on steep ground are sheared: from this slope on 5 % of the terrain on, degrees.
+constexpr double kSteepForPrisms = 36;
+
+/// The slope, in degrees, that 95 % of the terrain's squares in the domain do not exceed.
+double steep_slope(const Raster& dtm, const Domain& domain) {
+  constexpr std::size_t kBins = 900;
+  constexpr double kPerDegree = 10;
+  std::vector<std::int64_t> counts(kBins + 1, 0);
+  std::int64_t all = 0;
+  const Bounds2 box = domain.bounds();
+  for (std::int32_t j = 0; j + 1 < dtm.ny; ++j)
+    for (std::int32_t i = 0; i + 1 < dtm.nx; ++i) {
+      const Point2 centre{dtm.x0 + (i + 0.5) * dtm.step, dtm.y0 + (j + 0.5) * dtm.step};
+      if (!box.contains(centre)) continue;
+      const double a = dtm.at(i, j), b = dtm.at(i + 1, j), c = dtm.at(i, j + 1);
+      const double d = dtm.at(i + 1, j + 1);
+      const double rise = std::hypot((b + d - a - c) / 2, (c + d - a - b) / 2) / dtm.step;
+      ++counts[static_cast<std::size_t>(to_degrees(std::atan(rise)) * kPerDegree)];
+      ++all;
+    }
+  std::int64_t below = 0;
+  for (std::size_t bin = 0; bin < counts.size(); ++bin) {
+    below += counts[bin];
+    if (static_cast<double>(below) >= 0.95 * static_cast<double>(all))
+      return (static_cast<double>(bin) + 0.5) / kPerDegree;
+  }
+  return 0;
+}
+
+/// Options for cells that are prisms, or tets where the terrain is too steep for them.
+MeshCityOptions for_prisms(MeshCityOptions options, const CityModel& city, const Raster& terrain,
+                           std::vector<Warning>& warnings) {
+  if (options.cells != Cells::kPrisms) return options;
+  if (options.top != Top::kFlat)
+    throw Error(ErrorKind::kUsage, "cells: prisms need a flat top; set top = \"flat\"");
+  if (options.boundary_layers.count == 0) options.boundary_layers.count = kLayersBelowPrisms;
+  const double slope = steep_slope(terrain, city.domain);
+  if (slope <= kSteepForPrisms) {
+    options.layering = Layering::kUniform;
+    return options;
+  }
+  options.cells = Cells::kTets;
+  warnings.push_back(
+      {"too_steep_for_prisms", 1,
+       fmt::format("cells = prisms: 5 % of the terrain is steeper than {:.0f} degrees (at most {} "
+                   "is meant); the mesh has {} layers of prisms below tets instead",
+                   slope, kSteepForPrisms, options.boundary_layers.count)});
+  return options;
 }
 
 /// All lengths that sizes are given by, times a factor.
@@ -126,6 +180,7 @@ void tell_quality(const ColumnMesh& mesh, MeshQuality measured, VolumeMeshFacts&
       std::max(faces.worst.non_orthogonality_deg, prisms.max_non_orthogonality_deg);
   faces.worst.skewness = std::max(faces.worst.skewness, prisms.max_skewness);
   volume.inverted = quality.inverted();
+  if (quality.cells() == 0) return;  // prisms alone, which are valid
   volume.dihedral_min = quality.min_dihedral_deg();
   volume.dihedral_p0_01 = quality.dihedral_quantile_deg(1e-4);
   volume.dihedral_p0_1 = quality.dihedral_quantile_deg(1e-3);
@@ -225,6 +280,7 @@ double find_scale(const MeshCityOptions& options, const CityModel& city, const R
     Columns columns = columns_of(trial, city, terrain, size, {}, clock, scratch);
     add_upper(trial, columns, clock);
     auto cells = static_cast<double>(cell_offsets(columns.mesh).back().value());
+    if (options.cells == Cells::kPrisms) cells /= 3;
     for (const TriangleIndex t : columns.mesh.ground.triangles.indices())
       cells += columns.mesh.inside_building(t) ? 0 : options.boundary_layers.count;
     const double error = std::abs(std::log(cells / target));
@@ -258,7 +314,8 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
   CityMesh result;
   StepClock clock(hooks, result.steps);
   const Point2 origin = city.origin;
-  MeshCityOptions options = in_local_frame(given, origin);
+  MeshCityOptions options =
+      for_prisms(in_local_frame(given, origin), city, terrain, result.warnings);
   const double highest = highest_under(terrain, city.domain.bounds());
   if (options.own_top && city.domain_top > highest)
     options.domain_height = city.domain_top - highest;
@@ -312,19 +369,21 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
     result.volume_facts.columns_improved = improved.columns_improved;
     result.volume_facts.min_vertical_gap = improved.min_vertical_gap;
     quality = std::move(improved.quality);
-  } else {
+  } else if (options.cells == Cells::kTets) {
     quality = measure_quality(columns.mesh, clock);
   }
   add_upper(options, columns, clock);
   if (options.boundary_layers.count > 0)
     clock.run("3.5", "boundary layers", [&](const Progress&) {
       lay_prisms(columns.plan.lift, options.boundary_layers, columns.mesh);
+      if (options.cells == Cells::kPrisms) make_whole(columns.mesh);
       result.volume_facts.prisms = measure_prisms(columns.mesh, options.boundary_layers.first);
     });
-  if (!columns.mesh.upper.empty() || !columns.mesh.layers.empty()) {
+  if (!columns.mesh.upper.empty() || columns.mesh.layers.cells() > 0)
     result.volume_facts.min_vertical_gap = require_valid(columns.mesh);
+  if (!columns.mesh.upper.empty() ||
+      (columns.mesh.layers.cells() > 0 && !columns.mesh.layers.whole))
     quality = measure_quality(columns.mesh, clock);
-  }
   warn_of_lowered_ground(columns.plan, excavated, result.warnings);
   tell_excavation(options, columns.plan, std::move(excavated), result.volume_facts);
   result.volume = std::move(columns.mesh);
@@ -332,7 +391,8 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
   result.ground_facts.size_scale = scale;
   result.ground_facts.resolution = score_resolution(city, result.volume);
   clock.run("3.6", "boundary", [&](const Progress&) {
-    warn_below_floor(options, quality, result.warnings);
+    warn_of_prisms(result.volume_facts.prisms, result.warnings);
+    if (!result.volume.layers.whole) warn_below_floor(options, quality, result.warnings);
     tell_quality(result.volume, std::move(quality), result.volume_facts);
     result.boundary = checked_boundary(result.volume, result);
   });

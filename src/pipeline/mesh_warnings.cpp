@@ -58,6 +58,15 @@ void warn_of_lowered_ground(const ColumnPlan& plan, const ExcavationSources& exc
        fmt::format("ground vertices were lowered, by up to {:.1f} m: {}", plan.deepest, where)});
 }
 
+void warn_of_prisms(const PrismQuality& prisms, std::vector<Warning>& warnings) {
+  if (prisms.above_70 == 0) return;
+  warnings.push_back(
+      {"prisms_sheared", prisms.above_70,
+       fmt::format("faces of prisms are more than 70 degrees non-orthogonal ({:.1f} at most): the "
+                   "ground is as steep there; a lower cut_slope, or fewer boundary_layers",
+                   prisms.max_non_orthogonality_deg)});
+}
+
 void warn_below_floor(const MeshCityOptions& options, const MeshQuality& quality,
                       std::vector<Warning>& warnings) {
   const std::optional<Asked> asked = missed(quality);

@@ -14,6 +14,9 @@ namespace tetropolis {
 void warn_of_lowered_ground(const ColumnPlan& plan, const ExcavationSources& excavated,
                             std::vector<Warning>& warnings);
 
+/// Warns of faces of prisms that are too slanting for many solvers.
+void warn_of_prisms(const PrismQuality& prisms, std::vector<Warning>& warnings);
+
 /// Warns of cells and faces below the floor of quality.
 void warn_below_floor(const MeshCityOptions& options, const MeshQuality& quality,
                       std::vector<Warning>& warnings);

@@ -472,6 +472,13 @@ std::vector<ConfigField> make_fields() {
        .common = true,
        .min = 0,
        .max = 1e5},
+      {.name = "cells",
+       .group = "Mesh",
+       .member = choice<&C::cells>(),
+       .commands = kMeshing,
+       .help = "Tets, or prisms alone: layers that all columns share, on boundary_layers (5 if that "
+               "is 0); roofs are flat. Tets where terrain is steeper than 36 degrees on 5 % of it",
+       .choices = {"tets", "prisms"}},
       {.name = "layering",
        .group = "Mesh",
        .member = choice<&C::layering>(),

@@ -49,6 +49,7 @@ MeshCityOptions mesh_options(const Config& config) {
   options.min_angle_deg = config.min_angle;
   if (config.domain_height > 0) options.domain_height = config.domain_height;
   options.own_top = config.domain_height == 0;
+  options.cells = config.cells;
   options.layering = config.layering;
   options.layer_height = config.layer_height;
   options.boundary_layers = {config.boundary_layers, config.first_layer, config.layer_growth};

@@ -60,7 +60,8 @@ std::size_t find_step(const StepTime& step, unsigned command) {
 
 RunProgress::RunProgress(Command command, const Config& config)
     : command_(command),
-      solves_(config.layering == Layering::kUniform || config.top == Top::kFree),
+      solves_(config.layering == Layering::kUniform || config.top == Top::kFree ||
+              config.cells == Cells::kPrisms),
       step_(kSteps.size()),
       done_(kSteps.size(), 0) {
   while ((kSteps[stage_].commands & command) == 0) ++stage_;  // rows so far have a stage each

@@ -26,6 +26,9 @@ enum class Layering { kGraded, kUniform };
 /// A horizontal top, or one that follows the terrain.
 enum class Top { kFlat, kFree };
 
+/// Tets, or prisms over every triangle.
+enum class Cells { kTets, kPrisms };
+
 struct MeshCityOptions {
   double mesh_size = 10;  ///< Longest edge of the ground mesh in buildings, at walls and, without
                           ///< a grading, everywhere; metres, > 0.
@@ -34,6 +37,8 @@ struct MeshCityOptions {
   double min_angle_deg = 25;   ///< Of the ground mesh; 0 to 33.
   double domain_height = 100;  ///< Of the top above the highest terrain, metres, > 0.
   bool own_top = false;        ///< Rather the top that the city has, if it has one.
+  Cells cells = Cells::kTets;  ///< Prisms: one ladder of layers for all columns, moved as uniform
+                               ///< layers are, on boundary_layers (5 without).
   Layering layering = Layering::kGraded;
   double layer_height = 0;  ///< Greatest distance between nodes of a column; of uniform layers
                             ///< their height; metres. 0: follows from the mesh size.
@@ -50,7 +55,8 @@ struct MeshCityOptions {
 
 /// Whether nodes are placed by Laplace problems: in graded columns under a flat top there are none.
 inline bool solves_laplace(const MeshCityOptions& options) {
-  return options.layering == Layering::kUniform || options.top == Top::kFree;
+  return options.layering == Layering::kUniform || options.top == Top::kFree ||
+         options.cells == Cells::kPrisms;
 }
 
 /// Gaps between buildings from this width on count as streets, metres.

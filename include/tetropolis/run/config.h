@@ -89,6 +89,7 @@ struct Config {
   double target_cells = 0;
   double min_angle = 25;
   double domain_height = 0;
+  Cells cells = Cells::kTets;
   Layering layering = Layering::kGraded;
   double layer_height = 0;
   int boundary_layers = 0;

@@ -45,7 +45,7 @@ void append_points(const ColumnMesh& mesh, const Placement& placement, std::size
 }
 
 void refuse_prisms(const std::filesystem::path& path, const ColumnMesh& mesh) {
-  if (!mesh.layers.empty())
+  if (mesh.layers.cells() > 0)
     throw Error(
         ErrorKind::kUsage,
         path.filename().string() +
@@ -66,16 +66,10 @@ void append_regions(const ColumnMesh& mesh, const std::vector<CellIndex>& offset
 void require_boundary_of(const ColumnMesh& mesh, const SurfaceMesh& surface) {
   const bool numbered = surface.node.size() == surface.points.size() &&
                         surface.cell.size() == surface.triangles.size();
-  const auto elevation = [&](NodeIndex n) {
-    const std::int64_t upper = n.value() - mesh.column_nodes();
-    const std::int64_t below = n - mesh.first_layer_node();
-    if (below >= 0) return mesh.layers.z[static_cast<std::size_t>(below)];
-    return upper < 0 ? mesh.z[n] : mesh.upper.points[static_cast<std::size_t>(upper)][2];
-  };
   bool matches = numbered;
   for (std::size_t i = 0; matches && i < surface.node.size(); ++i) {
     const NodeIndex n = surface.node[i];
-    matches = n >= 0 && n < mesh.node_count() && elevation(n) == surface.points[i][2];
+    matches = n >= 0 && n < mesh.node_count() && elevation(mesh, n) == surface.points[i][2];
   }
   if (!matches)
     throw Error(ErrorKind::kGuarantee, "the surface is not the boundary of the volume mesh");

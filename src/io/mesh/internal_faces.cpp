@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "prism_faces.h"
-
 namespace tetropolis {
 
 namespace {
@@ -44,6 +42,7 @@ void InternalFaces::look_beyond(TriangleIndex t, std::size_t i) {
 }
 
 const std::vector<InternalFace>& InternalFaces::owned_over(TriangleIndex t) {
+  if (mesh_.layers.whole) return faces_;
   for (std::size_t i = 0; i < 3; ++i) look_beyond(t, i);
   faces_.clear();
   CellIndex cell = cells_[t];
@@ -70,7 +69,7 @@ const std::vector<InternalFace>& InternalFaces::owned_over(TriangleIndex t) {
       std::swap(faces_[begin], faces_[begin + 1]);
     if (is_lowest && mesh_.has_layers(t))
       faces_.push_back({cell,
-                        lowest_prism(mesh_, cells_.back(), t) + (mesh_.layers.count - 1),
+                        cells_.back() + (mesh_.layers.offsets[t + 1] - 1),
                         {floor[0], floor[2], floor[1]}});
   }
   if (mesh_.is_covered(t)) faces_.push_back({cell - 1, mesh_.upper.over_lid[t], front.at()});

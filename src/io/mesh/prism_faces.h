@@ -18,11 +18,7 @@ struct PrismFace {
   std::size_t corners;  ///< 3 or 4 of them.
 };
 
-/// The number of the lowest prism over triangle t. Precondition: mesh.has_layers(t);
-/// `first_prism`: that of the first of all.
-CellIndex lowest_prism(const ColumnMesh& mesh, CellIndex first_prism, TriangleIndex t);
-
-/// All of them in upper-triangular order: by owner, then by neighbour. Those between prisms and
+/// All of them (`first_prism`: number of the first prism) in upper-triangular order: by owner, then by neighbour. Those between prisms and
 /// tets are the floors of stacks: they belong to the tets, whose numbers are lower.
 std::vector<PrismFace> prism_faces(const ColumnMesh& mesh, CellIndex first_prism);
 

@@ -87,7 +87,7 @@ class ElevationWriter {
   std::int32_t elevation(VertexIndex v, std::int32_t position) const {
     // The page has no prisms: the tets above them reach down to the ground.
     const PrismLayers& layers = mesh_.layers;
-    if (position == 0 && !layers.empty() && layers.position[v] >= 0)
+    if (position == 0 && layers.count > 0 && layers.position[v] >= 0)
       return page_steps(layers.z[static_cast<std::size_t>(layers.position[v] * layers.count)]);
     return page_steps(mesh_.z[mesh_.first[v] + position]);
   }

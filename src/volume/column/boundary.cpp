@@ -32,11 +32,10 @@ void add_floor_and_top(const ColumnMesh& mesh, const std::vector<CellIndex>& cel
   for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     const auto& v = mesh.ground.triangles[t];
     const Region& region = mesh.ground.region_of(t);
-    if (!mesh.has_layers(t))
-      faces.add(region.floor,
-                {{mesh.floor_over(t, v[0]), mesh.floor_over(t, v[2]), mesh.floor_over(t, v[1])},
-                 cells[t],
-                 region.building});
+    if (!mesh.has_layers(t)) faces.add(region.floor,
+              {{mesh.floor_over(t, v[0]), mesh.floor_over(t, v[2]), mesh.floor_over(t, v[1])},
+               cells[t],
+               region.building});
     if (mesh.is_covered(t)) continue;
     faces.add(Patch::kTop,
               {{mesh.top(v[0]), mesh.top(v[1]), mesh.top(v[2])}, cells[t + 1] - 1, kNoBuilding});
@@ -116,43 +115,53 @@ void add_sides(const ColumnMesh& mesh, const std::vector<CellIndex>& cells, Face
   }
 }
 
-/// The ground below the layers, and their sides at walls and on the rim.
-void add_layers(const ColumnMesh& mesh, CellIndex first_prism, FaceLists& faces) {
-  SidesOfDomain sides(mesh.ground);
-  const PrismLayers& layers = mesh.layers;
-  const auto prism_over = [&](TriangleIndex t) {
-    const auto at = std::lower_bound(layers.triangles.begin(), layers.triangles.end(), t);
-    return first_prism + (at - layers.triangles.begin()) * std::int64_t{layers.count};
+/// Floors and tops of stacks of prisms, and their sides at walls and on the rim.
+void add_prisms(const ColumnMesh& mesh, CellIndex first_prism, FaceLists& faces) {
+  const auto prism = [&](TriangleIndex t, std::int32_t k) {
+    return first_prism + (mesh.layers.offsets[t] + k);
   };
-  for (std::size_t i = 0; i < layers.triangles.size(); ++i) {
-    const TriangleIndex t = layers.triangles[i];
+  for (const TriangleIndex t : mesh.ground.triangles.indices()) {
+    const std::int32_t count = prism_count(mesh, t);
+    if (count == 0) continue;
     const auto& v = mesh.ground.triangles[t];
-    const auto node = [&](std::size_t c) { return layer_node(mesh, v[c], 0); };
-    faces.add(mesh.ground.region_of(t).floor,
-              {{node(0), node(2), node(1)}, prism_over(t), kNoBuilding});
+    const Region& region = mesh.ground.region_of(t);
+    const auto node = [&](std::size_t c, std::int32_t k) { return prism_node(mesh, t, v[c], k); };
+    faces.add(region.floor,
+              {{node(0, 0), node(2, 0), node(1, 0)}, prism(t, 0), region.building});
+    if (mesh.layers.whole)
+      faces.add(Patch::kTop, {{node(0, count), node(1, count), node(2, count)},
+                              prism(t, count - 1),
+                              kNoBuilding});
   }
+  SidesOfDomain sides(mesh.ground);
   for (const EdgeIndex e : mesh.edges.vertices.indices()) {
+    const auto& ends = mesh.edges.vertices[e];
     const auto [t0, t1] = mesh.edges.triangles[e];
     const bool is_rim = t1 == kNoTriangle;
-    const auto& ends = mesh.edges.vertices[e];
-    const Patch side = is_rim ? sides.at(ends) : Patch::kWall;
-    const bool below = mesh.has_layers(t0);
-    if (is_rim ? !below : below == mesh.has_layers(t1)) continue;
-    const TriangleIndex air = below ? t0 : t1;
-    const BuildingIndex building =
-        is_rim ? kNoBuilding : mesh.ground.region_of(below ? t1 : t0).building;
-    // With the triangle on the left.
-    const auto& corners = mesh.ground.triangles[air];
-    const std::size_t at_low = static_cast<std::size_t>(
-        std::find(corners.begin(), corners.end(), ends[0]) - corners.begin());
-    const bool forward = corners[(at_low + 1) % 3] == ends[1];
-    const VertexIndex from = ends[forward ? 0 : 1], to = ends[forward ? 1 : 0];
-    for (std::int32_t k = 0; k < layers.count; ++k) {
-      const NodeIndex a = layer_node(mesh, from, k), b = layer_node(mesh, to, k);
-      const NodeIndex c = layer_node(mesh, to, k + 1), d = layer_node(mesh, from, k + 1);
-      const CellIndex cell = prism_over(air) + std::int64_t{k};
-      faces.add(side, {{a, b, c}, cell, building, true});
-      faces.add(side, {{a, c, d}, cell, building});
+    const Patch patch = is_rim ? sides.at(ends) : Patch::kWall;
+    for (const auto& [air, behind] : {std::pair(t0, t1), std::pair(t1, t0)}) {
+      if (air == kNoTriangle) continue;
+      std::int32_t count = prism_count(mesh, air);
+      BuildingIndex building = kNoBuilding;
+      if (!is_rim) {
+        // What has no prism behind it.
+        if (prism_count(mesh, behind) > 0)
+          count = std::min(count, prisms_above(mesh, behind, air, ends[0]));
+        building = mesh.ground.region_of(behind).building;
+      }
+      // With the triangle on the left.
+      const auto& corners = mesh.ground.triangles[air];
+      const auto at_low = static_cast<std::size_t>(
+          std::find(corners.begin(), corners.end(), ends[0]) - corners.begin());
+      const bool forward = corners[(at_low + 1) % 3] == ends[1];
+      const VertexIndex from = ends[forward ? 0 : 1], to = ends[forward ? 1 : 0];
+      for (std::int32_t k = 0; k < count; ++k) {
+        const NodeIndex a = prism_node(mesh, air, from, k), b = prism_node(mesh, air, to, k);
+        const NodeIndex c = prism_node(mesh, air, to, k + 1);
+        const NodeIndex d = prism_node(mesh, air, from, k + 1);
+        faces.add(patch, {{a, b, c}, prism(air, k), building, true});
+        faces.add(patch, {{a, c, d}, prism(air, k), building});
+      }
     }
   }
 }
@@ -221,10 +230,12 @@ SurfaceMesh number_faces(const ColumnMesh& mesh, const FaceLists& faces) {
 SurfaceMesh extract_boundary(const ColumnMesh& mesh) {
   const std::vector<CellIndex> cells = cell_offsets(mesh);
   FaceLists faces{mesh.ground.patches};
-  add_floor_and_top(mesh, cells, faces);
-  add_sides(mesh, cells, faces);
+  if (!mesh.layers.whole) {
+    add_floor_and_top(mesh, cells, faces);
+    add_sides(mesh, cells, faces);
+  }
   if (!mesh.upper.empty()) add_upper(mesh, faces);
-  if (!mesh.layers.empty()) add_layers(mesh, cells.back(), faces);
+  if (mesh.layers.cells() > 0) add_prisms(mesh, cells.back(), faces);
   return number_faces(mesh, faces);
 }
 
@@ -268,7 +279,8 @@ SurfaceMesh select_patches(const SurfaceMesh& surface, std::span<const Patch> pa
       }
       v = renumbered;
     }
-    if (is_first_half) result.quads.push_back(static_cast<std::int32_t>(result.triangles.size()));
+    if (is_first_half)
+      result.quads.push_back(static_cast<std::int32_t>(result.triangles.size()));
     result.triangles.push_back(triangle);
     result.patch.push_back(surface.patch[f]);
     result.building.push_back(surface.building[f]);

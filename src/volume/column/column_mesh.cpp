@@ -26,7 +26,7 @@ namespace {
 /// Of the layers.
 double shortest_below(const ColumnMesh& mesh, VertexIndex v) {
   const PrismLayers& layers = mesh.layers;
-  if (layers.empty() || layers.position[v] < 0) return kInfinity;
+  if (layers.count == 0 || layers.position[v] < 0) return kInfinity;
   const auto count = static_cast<std::size_t>(layers.count);
   const double* const z = layers.z.data() + static_cast<std::size_t>(layers.position[v]) * count;
   double shortest = kInfinity;
@@ -95,6 +95,7 @@ std::vector<CellIndex> cell_offsets(const ColumnMesh& mesh) {
   std::vector<CellIndex> offsets(mesh.triangle_count() + 1);
   for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     offsets[t + 1] = offsets[t];
+    if (mesh.layers.whole) continue;
     for (const VertexIndex v : mesh.ground.triangles[t])
       offsets[t + 1] += mesh.top(v) - mesh.floor_over(t, v);
   }

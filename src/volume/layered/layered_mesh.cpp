@@ -20,19 +20,28 @@ LayeredMesh make_layers(GroundMesh ground, std::int32_t layers, double bottom, d
   if (layers < 1 || !(bottom < top))
     throw Error(ErrorKind::kGuarantee,
                 "the domain has no height: raise the domain height or lower the layer height");
+  std::vector<double> z;
+  for (std::int32_t k = 0; k <= layers; ++k)
+    z.push_back(k == layers ? top : bottom + (top - bottom) * k / layers);
+  LayeredMesh mesh = make_layers(std::move(ground), std::move(z));
+  mesh.ladder.clear();
+  return mesh;
+}
+
+LayeredMesh make_layers(GroundMesh ground, std::vector<double> ladder) {
   LayeredMesh mesh;
   mesh.edges = build_edge_graph(ground);
   mesh.ground = std::move(ground);
-  mesh.layers = layers;
+  mesh.layers = static_cast<std::int32_t>(ladder.size()) - 1;
   mesh.first_layer.assign(mesh.triangle_count(), 0);
   mesh.first_node.assign(mesh.vertex_count(), 0);
   mesh.roof_layer.assign(mesh.vertex_count(), kNoRoof);
   mesh.z.resize(mesh.vertex_count() * mesh.stride());
   parallel_chunks(mesh.vertex_count(), 1024, [&](std::size_t begin, std::size_t end) {
     for (const VertexIndex v : indices<VertexIndex>(begin, end))
-      for (std::int32_t k = 0; k <= layers; ++k)
-        mesh.column(v)[k] = k == layers ? top : bottom + (top - bottom) * k / layers;
+      std::copy(ladder.begin(), ladder.end(), mesh.column(v));
   });
+  mesh.ladder = std::move(ladder);
   return mesh;
 }
 

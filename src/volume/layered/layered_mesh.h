@@ -9,6 +9,7 @@
 //               u2        (Naserentin & Logg, step 3.2).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -26,6 +27,8 @@ struct LayeredMesh {
   GroundMesh ground;
   EdgeGraph edges;
   std::int32_t layers = 0;                ///< K > 0.
+  std::vector<double> ladder;             ///< K + 1 heights of layers that are not even, as they
+                                          ///< were made; empty if they are.
   std::vector<double> z;                  ///< z[v * (K + 1) + k], elevation in metres.
   std::vector<std::int32_t> first_layer;  ///< Per triangle, 0 .. K - 1.
   std::vector<std::int32_t> first_node;   ///< Per vertex: the lowest layer with a cell there, the
@@ -43,6 +46,17 @@ struct LayeredMesh {
 /// Untrimmed columns (all first layers 0, no roofs) whose layers divide the height from `bottom` to
 /// `top` evenly. Throws Error(kGuarantee) unless layers > 0 and bottom < top.
 LayeredMesh make_layers(GroundMesh ground, std::int32_t layers, double bottom, double top);
+
+/// The same with layers at the elevations of `ladder`, which increase.
+LayeredMesh make_layers(GroundMesh ground, std::vector<double> ladder);
+
+/// Share of the height from layer `low` to `high` that is below layer k, as layers were made.
+inline double share_below(const LayeredMesh& mesh, std::int32_t low, std::int32_t k,
+                          std::int32_t high) {
+  if (mesh.ladder.empty()) return static_cast<double>(k - low) / (high - low);
+  const auto z = [&](std::int32_t i) { return mesh.ladder[static_cast<std::size_t>(i)]; };
+  return (z(k) - z(low)) / (z(high) - z(low));
+}
 
 /// The nodes of a layered mesh that belong to cells, where they are. Precondition: it is trimmed
 /// (trim) and its columns increase (make_monotone). Takes its ground mesh; leaves it empty.

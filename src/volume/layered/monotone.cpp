@@ -12,19 +12,21 @@ namespace tetropolis {
 
 namespace {
 
-/// Nodes [first, last] of one column; z[first] is fixed, z[last] too if `fixed_end`.
+/// Nodes [first, last] of one column; z[first] is fixed, z[last] too if `fixed_end`. gap(k): least
+/// distance of nodes k and k + 1.
+template <typename Gap>
 std::int64_t spread_piece(double* z, std::int32_t first, std::int32_t last, bool fixed_end,
-                          double gap) {
+                          const Gap& gap) {
   std::int64_t moved = 0;
   const std::int32_t end = fixed_end ? last - 1 : last;
   for (std::int32_t k = first + 1; k <= end; ++k) {
-    if (z[k] >= z[k - 1] + gap) continue;
-    z[k] = z[k - 1] + gap;
+    if (z[k] >= z[k - 1] + gap(k - 1)) continue;
+    z[k] = z[k - 1] + gap(k - 1);
     ++moved;
   }
   for (std::int32_t k = end; k > first && fixed_end; --k) {
-    if (z[k] <= z[k + 1] - gap) continue;
-    z[k] = z[k + 1] - gap;
+    if (z[k] <= z[k + 1] - gap(k)) continue;
+    z[k] = z[k + 1] - gap(k);
     ++moved;
   }
   return moved;
@@ -45,7 +47,14 @@ MonotoneReport guard_column(LayeredMesh& mesh, VertexIndex v, const MonotoneOpti
                   "column mesh: fixed heights do not increase at ground vertex " +
                       std::to_string(v) + " between layers " + std::to_string(first) + " and " +
                       std::to_string(last));
-    report.moved += spread_piece(z, first, last, fixed_end, options.gap_share * spacing);
+    const auto even = [&](std::int32_t) { return options.gap_share * spacing; };
+    // A share of the even spacing would destroy thin layers.
+    const auto of_ladder = [&](std::int32_t k) {
+      return options.gap_share * spacing * (last - first) *
+             (share_below(mesh, first, k + 1, last) - share_below(mesh, first, k, last));
+    };
+    report.moved += mesh.ladder.empty() ? spread_piece(z, first, last, fixed_end, even)
+                                        : spread_piece(z, first, last, fixed_end, of_ladder);
     first = last;
   }
   report.min_gap = kInfinity;

@@ -29,6 +29,12 @@ void displace(LayeredMesh& mesh, const std::vector<float>& u) {
   });
 }
 
+/// Share of the height from layer `low` to the top that is above layer k.
+double share_above(const LayeredMesh& mesh, std::int32_t low, std::int32_t k) {
+  if (mesh.ladder.empty()) return static_cast<double>(mesh.layers - k) / (mesh.layers - low);
+  return 1 - share_below(mesh, low, k, mesh.layers);
+}
+
 /// Position of elevation `z` in a column, in layers above its ground.
 double position_in_layers(const double* column, std::int32_t layers, double z) {
   std::int32_t k = 0;
@@ -63,9 +69,9 @@ SmoothReport smooth_to_ground(LayeredMesh& mesh, std::span<const double> ground,
   parallel_chunks(mesh.vertex_count(), kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
     for (const VertexIndex v : indices<VertexIndex>(begin, end)) {
       const double shift = ground[v] - mesh.column(v)[0];
-      for (std::size_t k = 0; k < n; ++k)
-        u[v * n + k] = static_cast<float>(
-            options.laplace.fixed_top ? shift * (1 - static_cast<double>(k) / mesh.layers) : shift);
+      for (std::int32_t k = 0; k <= mesh.layers; ++k)
+        u[v * n + static_cast<std::size_t>(k)] = static_cast<float>(
+            options.laplace.fixed_top ? shift * (1 - share_below(mesh, 0, k, mesh.layers)) : shift);
     }
   });
   SmoothReport report;
@@ -122,9 +128,9 @@ SmoothReport smooth_to_roofs(LayeredMesh& mesh, std::span<const RegionIndex> low
     const std::int32_t roof = mesh.roof_layer[v];
     const double shift = roofs[lowest_roof[v]] - mesh.column(v)[roof];
     for (std::int32_t k = mesh.first_node[v] == roof ? roof : 0; k <= mesh.layers; ++k) {
-      const double share = k <= roof ? static_cast<double>(k) / roof
+      const double share = k <= roof ? share_below(mesh, 0, k, roof)
                            : options.laplace.fixed_top
-                               ? static_cast<double>(mesh.layers - k) / (mesh.layers - roof)
+                               ? share_above(mesh, roof, k)
                                : 1.0;
       u[v * n + static_cast<std::size_t>(k)] = static_cast<float>(shift * share);
     }

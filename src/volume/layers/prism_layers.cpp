@@ -4,6 +4,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <string>
+#include <utility>
+
+#include "tetropolis/core/error.h"
 
 #include "core/parallel.h"
 #include "volume/column/layers_at_walls.h"
@@ -38,6 +42,16 @@ void divide_layers(double all, const LayerHeights& heights, std::vector<double>&
   for (int i = 0; i + 1 < heights.count; ++i, first *= high) tops.push_back(top += first);
 }
 
+void number_prisms(ColumnMesh& mesh) {
+  PrismLayers& layers = mesh.layers;
+  layers.offsets.assign(mesh.triangle_count() + 1, 0);
+  for (const TriangleIndex t : mesh.ground.triangles.indices()) {
+    const VertexIndex v = mesh.ground.triangles[t][0];
+    layers.offsets[t + 1] = layers.offsets[t] + (mesh.has_layers(t) ? layers.count : 0) +
+                            (layers.whole ? mesh.top(v) - mesh.floor_over(t, v) : 0);
+  }
+}
+
 }  // namespace
 
 std::vector<double> layer_lift(const GroundMesh& mesh, const EdgeGraph& edges,
@@ -64,7 +78,6 @@ void lay_prisms(std::span<const double> lift, const LayerHeights& heights, Colum
   layers.position.assign(mesh.vertex_count(), -1);
   for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     if (mesh.inside_building(t)) continue;
-    layers.triangles.push_back(t);
     for (const VertexIndex v : mesh.ground.triangles[t]) layers.position[v] = 0;
   }
   for (const VertexIndex v : mesh.ground.vertices.indices()) {
@@ -86,6 +99,19 @@ void lay_prisms(std::span<const double> lift, const LayerHeights& heights, Colum
     }
   });
   mesh.layers = std::move(layers);
+  number_prisms(mesh);
+}
+
+void make_whole(ColumnMesh& mesh) {
+  for (const TriangleIndex t : mesh.ground.triangles.indices()) {
+    const auto& v = mesh.ground.triangles[t];
+    const auto segments = [&](std::size_t i) { return mesh.top(v[i]) - mesh.floor_over(t, v[i]); };
+    if (segments(0) != segments(1) || segments(0) != segments(2))
+      throw Error(ErrorKind::kGuarantee, "prisms: the columns at ground vertex " +
+                                             std::to_string(v[0]) + " and beside it differ");
+  }
+  mesh.layers.whole = true;
+  number_prisms(mesh);
 }
 
 }  // namespace tetropolis

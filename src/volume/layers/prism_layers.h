@@ -28,4 +28,8 @@ std::vector<double> layer_lift(const GroundMesh& mesh, const EdgeGraph& edges,
 /// the same `heights`, heights.count > 0.
 void lay_prisms(std::span<const double> lift, const LayerHeights& heights, ColumnMesh& mesh);
 
+/// Makes what would be tets of the columns prisms, too. Throws Error(kGuarantee) unless the columns
+/// over each triangle have as many segments each (columns_of_layers) and there is no upper part.
+void make_whole(ColumnMesh& mesh);
+
 }  // namespace tetropolis

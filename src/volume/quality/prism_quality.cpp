@@ -30,7 +30,7 @@ double length(const Point3& a) { return std::sqrt(dot(a, a)); }
 struct Face {
   std::array<Point3, 4> corners{};
   std::size_t count = 0;
-  Point3 area{};  ///< Vector, outwards.
+  Point3 area{};    ///< Vector, outwards.
   Point3 centre{};
   double flatness = 1;
 };
@@ -63,14 +63,11 @@ struct Prism {
   double least_height = kInfinity;
 };
 
+/// Prism `layer` of the stack over triangle t.
 Prism prism_at(const ColumnMesh& mesh, TriangleIndex t, std::int32_t layer) {
   const auto& v = mesh.ground.triangles[t];
-  const PrismLayers& layers = mesh.layers;
   const auto z = [&](VertexIndex u, std::int32_t k) {
-    const std::size_t first =
-        static_cast<std::size_t>(layers.position[u]) * static_cast<std::size_t>(layers.count);
-    return k == layers.count ? mesh.z[mesh.first[u]]
-                             : layers.z[first + static_cast<std::size_t>(k)];
+    return elevation(mesh, prism_node(mesh, t, u, k));
   };
   std::array<Point3, 3> low{}, high{};
   Prism prism;
@@ -103,7 +100,8 @@ double aspect_ratio(const Prism& prism) {
   for (const Face& face : prism.faces)
     for (std::size_t c = 0; c < 3; ++c) sum[c] += std::abs(face.area[c]);
   const auto [least, most] = std::minmax({sum[0], sum[1], sum[2]});
-  const double of_surface = (sum[0] + sum[1] + sum[2]) / (6 * std::pow(prism.volume, 2.0 / 3));
+  const double of_surface =
+      (sum[0] + sum[1] + sum[2]) / (6 * std::pow(prism.volume, 2.0 / 3));
   return std::max(most / least, of_surface);
 }
 
@@ -135,7 +133,8 @@ struct Sums {
   void add_outer(const Face& face, const Point3& from) {
     const Point3 to_face = minus(face.centre, from);
     const double share = dot(face.area, to_face) / dot(face.area, face.area);
-    add_skewness(face, plus(to_face, -share, face.area), 0.4 * std::abs(share) * length(face.area));
+    add_skewness(face, plus(to_face, -share, face.area),
+                 0.4 * std::abs(share) * length(face.area));
   }
   void add_skewness(const Face& face, const Point3& skew, double least_extent) {
     const double off = length(skew);
@@ -187,20 +186,27 @@ Point3 lowest_tet(const ColumnMesh& mesh, TriangleIndex t) {
 }
 
 void add_over(const ColumnMesh& mesh, TriangleIndex t, Sums& sums) {
-  const std::int32_t count = mesh.layers.count;
+  const std::int32_t count = prism_count(mesh, t);
+  if (count == 0) return;
   Prism prism = prism_at(mesh, t, 0);
   sums.add_outer(prism.faces[0], prism.centre);
   for (std::int32_t k = 0; k < count; ++k) {
     sums.add(prism);
     for (std::size_t i = 0; i < 3; ++i) {
       const TriangleIndex other = beyond(mesh, t, i);
-      if (other == kNoTriangle || !mesh.has_layers(other))
+      const bool has_prisms = other != kNoTriangle && prism_count(mesh, other) > 0;
+      const std::int32_t beside =
+          has_prisms ? k + prisms_above(mesh, t, other, mesh.ground.triangles[t][i]) : -1;
+      if (beside < 0)
         sums.add_outer(prism.faces[2 + i], prism.centre);
       else if (other > t)
-        sums.add_inner(prism.faces[2 + i], prism.centre, prism_at(mesh, other, k).centre);
+        sums.add_inner(prism.faces[2 + i], prism.centre, prism_at(mesh, other, beside).centre);
     }
     if (k + 1 == count) {
-      sums.add_inner(prism.faces[1], prism.centre, lowest_tet(mesh, t));
+      if (mesh.layers.whole)
+        sums.add_outer(prism.faces[1], prism.centre);
+      else
+        sums.add_inner(prism.faces[1], prism.centre, lowest_tet(mesh, t));
       break;
     }
     const Prism above = prism_at(mesh, t, k + 1);
@@ -212,8 +218,8 @@ void add_over(const ColumnMesh& mesh, TriangleIndex t, Sums& sums) {
 double share_as_asked(const ColumnMesh& mesh, double first) {
   const PrismLayers& layers = mesh.layers;
   const auto is_as_asked = [&](VertexIndex v) {
-    const std::size_t at =
-        static_cast<std::size_t>(layers.position[v]) * static_cast<std::size_t>(layers.count);
+    const std::size_t at = static_cast<std::size_t>(layers.position[v]) *
+                           static_cast<std::size_t>(layers.count);
     const double top = layers.count > 1 ? layers.z[at + 1] : mesh.z[mesh.first[v]];
     return std::abs(top - layers.z[at] - first) <= 1e-3;
   };
@@ -234,20 +240,21 @@ double share_as_asked(const ColumnMesh& mesh, double first) {
 
 PrismQuality measure_prisms(const ColumnMesh& mesh, double first) {
   const PrismLayers& layers = mesh.layers;
-  if (layers.empty() || layers.triangles.empty()) return {};
+  if (layers.cells() == 0) return {};
   Sums none;
   none.quality.least_height = kInfinity;
   const Sums sums = parallel_reduce_ordered(
-      layers.triangles.size(), kTrianglesPerChunk, none,
+      mesh.triangle_count(), kTrianglesPerChunk, none,
       [&](std::size_t begin, std::size_t end) {
         Sums part = none;
-        for (std::size_t i = begin; i < end; ++i) add_over(mesh, layers.triangles[i], part);
+        for (const TriangleIndex t : indices<TriangleIndex>(begin, end)) add_over(mesh, t, part);
         return part;
       },
       added);
   PrismQuality quality = sums.quality;
   quality.max_non_orthogonality_deg = angle_deg(sums.least_cosine);
-  quality.mean_non_orthogonality_deg = angle_deg(sums.cosines / static_cast<double>(quality.faces));
+  quality.mean_non_orthogonality_deg =
+      angle_deg(sums.cosines / static_cast<double>(quality.faces));
   quality.share_as_asked = share_as_asked(mesh, first);
   return quality;
 }

@@ -66,7 +66,7 @@ struct ColumnMesh {
   }
   std::int64_t column_nodes() const { return first.back().value(); }
   /// Whether prisms lie below the stack over triangle t.
-  bool has_layers(TriangleIndex t) const { return !layers.empty() && !inside_building(t); }
+  bool has_layers(TriangleIndex t) const { return layers.count > 0 && !inside_building(t); }
   /// Whether cells of the upper part lie on the stack over triangle t.
   bool is_covered(TriangleIndex t) const { return !upper.empty() && upper.over_lid[t] != kNoCell; }
   /// The nodes of column v, upwards.
@@ -132,18 +132,56 @@ inline NodeIndex layer_node(const ColumnMesh& mesh, VertexIndex v, std::int32_t 
   return mesh.first_layer_node() + (std::int64_t{layers.position[v]} * layers.count + k);
 }
 
+/// Prisms over triangle t.
+inline std::int32_t prism_count(const ColumnMesh& mesh, TriangleIndex t) {
+  const auto& offsets = mesh.layers.offsets;
+  return offsets.empty() ? 0 : static_cast<std::int32_t>(offsets[t + 1] - offsets[t]);
+}
+
+/// The node of triangle t's corner v below (0 .. prism_count - 1) or on top of prism k of its stack.
+inline NodeIndex prism_node(const ColumnMesh& mesh, TriangleIndex t, VertexIndex v,
+                            std::int32_t k) {
+  const std::int32_t layers = mesh.has_layers(t) ? mesh.layers.count : 0;
+  return k < layers ? layer_node(mesh, v, k) : mesh.floor_over(t, v) + std::int64_t{k - layers};
+}
+
+/// By how many prisms the stack over triangle t begins above that over `other`, beside it, which
+/// both have vertex v.
+inline std::int32_t prisms_above(const ColumnMesh& mesh, TriangleIndex t, TriangleIndex other,
+                                 VertexIndex v) {
+  const auto begin = [&](TriangleIndex own) {
+    const std::int64_t floor = mesh.floor_over(own, v) - mesh.first[v];
+    return static_cast<std::int32_t>(floor) - (mesh.has_layers(own) ? mesh.layers.count : 0);
+  };
+  return begin(t) - begin(other);
+}
+
+/// The triangle that prism i of layers.cells() stands over.
+inline TriangleIndex triangle_below(const ColumnMesh& mesh, std::int64_t i) {
+  const auto& offsets = mesh.layers.offsets;
+  return TriangleIndex(std::upper_bound(offsets.begin(), offsets.end(), i) - offsets.begin() - 1);
+}
+
 /// Prism i of layers.cells(): its corners below, as the triangle has them, and those above. Its
 /// number among cells is that of all tets plus i.
 inline std::array<NodeIndex, 6> wedge(const ColumnMesh& mesh, std::int64_t i) {
-  const std::int64_t count = mesh.layers.count;
-  const auto layer = static_cast<std::int32_t>(i % count);
-  const TriangleIndex t = mesh.layers.triangles[static_cast<std::size_t>(i / count)];
+  const TriangleIndex t = triangle_below(mesh, i);
+  const auto layer = static_cast<std::int32_t>(i - mesh.layers.offsets[t]);
+  const auto& v = mesh.ground.triangles[t];
   std::array<NodeIndex, 6> nodes{};
-  for (std::size_t c = 0; c < 3; ++c)
-    for (std::int32_t above = 0; above < 2; ++above)
-      nodes[c + (above != 0 ? 3 : 0)] =
-          layer_node(mesh, mesh.ground.triangles[t][c], layer + above);
+  for (std::size_t c = 0; c < 3; ++c) {
+    nodes[c] = prism_node(mesh, t, v[c], layer);
+    nodes[3 + c] = prism_node(mesh, t, v[c], layer + 1);
+  }
   return nodes;
+}
+
+/// Elevation of a node.
+inline double elevation(const ColumnMesh& mesh, NodeIndex n) {
+  if (n < mesh.column_nodes()) return mesh.z[n];
+  const std::int64_t below = n - mesh.first_layer_node();
+  if (below >= 0) return mesh.layers.z[static_cast<std::size_t>(below)];
+  return mesh.upper.points[static_cast<std::size_t>(n.value() - mesh.column_nodes())][2];
 }
 
 /// What fronts order a column's segments by, here the one from node n up: twice the level of its
@@ -209,11 +247,12 @@ inline Climb<3> climb_triangle(const ColumnMesh& mesh, TriangleIndex t) {
   return {mesh, v, {mesh.floor_over(t, v[0]), mesh.floor_over(t, v[1]), mesh.floor_over(t, v[2])}};
 }
 
-/// Calls visit(nodes) for the tets over triangle t, upwards. The first three nodes are over the
+/// Calls visit(nodes) for the tets over triangle t, upwards; none if there are only prisms. The first three nodes are over the
 /// triangle's corners in their order, the fourth is the upper end of the vertical edge:
 /// (p1 - p0) x (p2 - p0) . (p3 - p0) > 0.
 template <typename Visit>
 void for_each_tet_over(const ColumnMesh& mesh, TriangleIndex t, const Visit& visit) {
+  if (mesh.layers.whole) return;
   Climb<3> front = climb_triangle(mesh, t);
   for (std::size_t i; (i = front.next()) < 3; front.advance(i)) {
     const auto& at = front.at();
