@@ -17,8 +17,8 @@ struct LayersCheck {
   double greatest_growth = 0;  ///< Ratio of the heights of a layer and the one below.
 };
 
-/// Of the ground's vertices. `first`: height asked for of the lowest layer, metres; `count`: layers,
-/// which may have prisms on them.
+/// Of the ground's vertices. `first`: height asked for of the lowest layer, metres; `count`:
+/// layers, which may have prisms on them.
 LayersCheck check_prism_layers(const TetMesh& mesh, const SurfaceMesh& surface, double first,
                                int count);
 

@@ -169,10 +169,10 @@ void check_heights_of(const Raster& terrain, const TetMesh& mesh, const SurfaceM
       check_heights(surface, shift, terrain, city, min_wall,
                     report ? std::optional(report->excavated) : std::nullopt, layers.height);
   if (layers.columns > 0) {
-    file.facts.push_back(fmt::format("layers: growth at most {:.4f}; the lowest is {} m high over "
-                                     "{:.2f} % of the ground",
-                                     layers.greatest_growth, config.first_layer,
-                                     100 * layers.share_as_asked));
+    file.facts.push_back(
+        fmt::format("layers: growth at most {:.4f}; the lowest is {} m high over "
+                    "{:.2f} % of the ground",
+                    layers.greatest_growth, config.first_layer, 100 * layers.share_as_asked));
     if (report && report->has_mesh()) {
       compare("growth of layers", layers.greatest_growth, 0, config.layer_growth,
               config.layer_growth + 1e-6, file);

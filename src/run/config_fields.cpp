@@ -476,8 +476,9 @@ std::vector<ConfigField> make_fields() {
        .group = "Mesh",
        .member = choice<&C::cells>(),
        .commands = kMeshing,
-       .help = "Tets, or prisms alone: layers that all columns share, on boundary_layers (5 if that "
-               "is 0); roofs are flat. Tets where terrain is steeper than 36 degrees on 5 % of it",
+       .help =
+           "Tets, or prisms alone: layers that all columns share, on boundary_layers (5 if that "
+           "is 0); roofs are flat. Tets where terrain is steeper than 36 degrees on 5 % of it",
        .choices = {"tets", "prisms"}},
       {.name = "layering",
        .group = "Mesh",

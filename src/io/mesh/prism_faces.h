@@ -18,8 +18,9 @@ struct PrismFace {
   std::size_t corners;  ///< 3 or 4 of them.
 };
 
-/// All of them (`first_prism`: number of the first prism) in upper-triangular order: by owner, then by neighbour. Those between prisms and
-/// tets are the floors of stacks: they belong to the tets, whose numbers are lower.
+/// All of them (`first_prism`: number of the first prism) in upper-triangular order: by owner, then
+/// by neighbour. Those between prisms and tets are the floors of stacks: they belong to the tets,
+/// whose numbers are lower.
 std::vector<PrismFace> prism_faces(const ColumnMesh& mesh, CellIndex first_prism);
 
 }  // namespace tetropolis

@@ -32,10 +32,11 @@ void add_floor_and_top(const ColumnMesh& mesh, const std::vector<CellIndex>& cel
   for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     const auto& v = mesh.ground.triangles[t];
     const Region& region = mesh.ground.region_of(t);
-    if (!mesh.has_layers(t)) faces.add(region.floor,
-              {{mesh.floor_over(t, v[0]), mesh.floor_over(t, v[2]), mesh.floor_over(t, v[1])},
-               cells[t],
-               region.building});
+    if (!mesh.has_layers(t))
+      faces.add(region.floor,
+                {{mesh.floor_over(t, v[0]), mesh.floor_over(t, v[2]), mesh.floor_over(t, v[1])},
+                 cells[t],
+                 region.building});
     if (mesh.is_covered(t)) continue;
     faces.add(Patch::kTop,
               {{mesh.top(v[0]), mesh.top(v[1]), mesh.top(v[2])}, cells[t + 1] - 1, kNoBuilding});
@@ -126,12 +127,11 @@ void add_prisms(const ColumnMesh& mesh, CellIndex first_prism, FaceLists& faces)
     const auto& v = mesh.ground.triangles[t];
     const Region& region = mesh.ground.region_of(t);
     const auto node = [&](std::size_t c, std::int32_t k) { return prism_node(mesh, t, v[c], k); };
-    faces.add(region.floor,
-              {{node(0, 0), node(2, 0), node(1, 0)}, prism(t, 0), region.building});
+    faces.add(region.floor, {{node(0, 0), node(2, 0), node(1, 0)}, prism(t, 0), region.building});
     if (mesh.layers.whole)
-      faces.add(Patch::kTop, {{node(0, count), node(1, count), node(2, count)},
-                              prism(t, count - 1),
-                              kNoBuilding});
+      faces.add(
+          Patch::kTop,
+          {{node(0, count), node(1, count), node(2, count)}, prism(t, count - 1), kNoBuilding});
   }
   SidesOfDomain sides(mesh.ground);
   for (const EdgeIndex e : mesh.edges.vertices.indices()) {
@@ -279,8 +279,7 @@ SurfaceMesh select_patches(const SurfaceMesh& surface, std::span<const Patch> pa
       }
       v = renumbered;
     }
-    if (is_first_half)
-      result.quads.push_back(static_cast<std::int32_t>(result.triangles.size()));
+    if (is_first_half) result.quads.push_back(static_cast<std::int32_t>(result.triangles.size()));
     result.triangles.push_back(triangle);
     result.patch.push_back(surface.patch[f]);
     result.building.push_back(surface.building[f]);

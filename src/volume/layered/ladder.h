@@ -6,7 +6,7 @@
 namespace tetropolis {
 
 struct LadderSpacing {
-  double first = 1;   ///< Metres, > 0, likewise the others.
+  double first = 1;     ///< Metres, > 0, likewise the others.
   double growth = 1.2;  ///< From one to the next, at most; >= 1.
   double canopy = 5;    ///< Between buildings, at most,
   double far = 20;      ///< and above them.

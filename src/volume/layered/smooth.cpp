@@ -128,10 +128,9 @@ SmoothReport smooth_to_roofs(LayeredMesh& mesh, std::span<const RegionIndex> low
     const std::int32_t roof = mesh.roof_layer[v];
     const double shift = roofs[lowest_roof[v]] - mesh.column(v)[roof];
     for (std::int32_t k = mesh.first_node[v] == roof ? roof : 0; k <= mesh.layers; ++k) {
-      const double share = k <= roof ? share_below(mesh, 0, k, roof)
-                           : options.laplace.fixed_top
-                               ? share_above(mesh, roof, k)
-                               : 1.0;
+      const double share = k <= roof                   ? share_below(mesh, 0, k, roof)
+                           : options.laplace.fixed_top ? share_above(mesh, roof, k)
+                                                       : 1.0;
       u[v * n + static_cast<std::size_t>(k)] = static_cast<float>(shift * share);
     }
   };

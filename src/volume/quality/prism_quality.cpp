@@ -30,7 +30,7 @@ double length(const Point3& a) { return std::sqrt(dot(a, a)); }
 struct Face {
   std::array<Point3, 4> corners{};
   std::size_t count = 0;
-  Point3 area{};    ///< Vector, outwards.
+  Point3 area{};  ///< Vector, outwards.
   Point3 centre{};
   double flatness = 1;
 };
@@ -100,8 +100,7 @@ double aspect_ratio(const Prism& prism) {
   for (const Face& face : prism.faces)
     for (std::size_t c = 0; c < 3; ++c) sum[c] += std::abs(face.area[c]);
   const auto [least, most] = std::minmax({sum[0], sum[1], sum[2]});
-  const double of_surface =
-      (sum[0] + sum[1] + sum[2]) / (6 * std::pow(prism.volume, 2.0 / 3));
+  const double of_surface = (sum[0] + sum[1] + sum[2]) / (6 * std::pow(prism.volume, 2.0 / 3));
   return std::max(most / least, of_surface);
 }
 
@@ -133,8 +132,7 @@ struct Sums {
   void add_outer(const Face& face, const Point3& from) {
     const Point3 to_face = minus(face.centre, from);
     const double share = dot(face.area, to_face) / dot(face.area, face.area);
-    add_skewness(face, plus(to_face, -share, face.area),
-                 0.4 * std::abs(share) * length(face.area));
+    add_skewness(face, plus(to_face, -share, face.area), 0.4 * std::abs(share) * length(face.area));
   }
   void add_skewness(const Face& face, const Point3& skew, double least_extent) {
     const double off = length(skew);
@@ -218,8 +216,8 @@ void add_over(const ColumnMesh& mesh, TriangleIndex t, Sums& sums) {
 double share_as_asked(const ColumnMesh& mesh, double first) {
   const PrismLayers& layers = mesh.layers;
   const auto is_as_asked = [&](VertexIndex v) {
-    const std::size_t at = static_cast<std::size_t>(layers.position[v]) *
-                           static_cast<std::size_t>(layers.count);
+    const std::size_t at =
+        static_cast<std::size_t>(layers.position[v]) * static_cast<std::size_t>(layers.count);
     const double top = layers.count > 1 ? layers.z[at + 1] : mesh.z[mesh.first[v]];
     return std::abs(top - layers.z[at] - first) <= 1e-3;
   };
@@ -253,8 +251,7 @@ PrismQuality measure_prisms(const ColumnMesh& mesh, double first) {
       added);
   PrismQuality quality = sums.quality;
   quality.max_non_orthogonality_deg = angle_deg(sums.least_cosine);
-  quality.mean_non_orthogonality_deg =
-      angle_deg(sums.cosines / static_cast<double>(quality.faces));
+  quality.mean_non_orthogonality_deg = angle_deg(sums.cosines / static_cast<double>(quality.faces));
   quality.share_as_asked = share_as_asked(mesh, first);
   return quality;
 }

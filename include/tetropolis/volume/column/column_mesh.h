@@ -138,7 +138,8 @@ inline std::int32_t prism_count(const ColumnMesh& mesh, TriangleIndex t) {
   return offsets.empty() ? 0 : static_cast<std::int32_t>(offsets[t + 1] - offsets[t]);
 }
 
-/// The node of triangle t's corner v below (0 .. prism_count - 1) or on top of prism k of its stack.
+/// The node of triangle t's corner v below (0 .. prism_count - 1) or on top of prism k of its
+/// stack.
 inline NodeIndex prism_node(const ColumnMesh& mesh, TriangleIndex t, VertexIndex v,
                             std::int32_t k) {
   const std::int32_t layers = mesh.has_layers(t) ? mesh.layers.count : 0;
@@ -247,9 +248,9 @@ inline Climb<3> climb_triangle(const ColumnMesh& mesh, TriangleIndex t) {
   return {mesh, v, {mesh.floor_over(t, v[0]), mesh.floor_over(t, v[1]), mesh.floor_over(t, v[2])}};
 }
 
-/// Calls visit(nodes) for the tets over triangle t, upwards; none if there are only prisms. The first three nodes are over the
-/// triangle's corners in their order, the fourth is the upper end of the vertical edge:
-/// (p1 - p0) x (p2 - p0) . (p3 - p0) > 0.
+/// Calls visit(nodes) for the tets over triangle t, upwards; none if there are only prisms. The
+/// first three nodes are over the triangle's corners in their order, the fourth is the upper end of
+/// the vertical edge: (p1 - p0) x (p2 - p0) . (p3 - p0) > 0.
 template <typename Visit>
 void for_each_tet_over(const ColumnMesh& mesh, TriangleIndex t, const Visit& visit) {
   if (mesh.layers.whole) return;
