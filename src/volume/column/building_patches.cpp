@@ -86,6 +86,13 @@ SurfaceMesh divide_by_building(const SurfaceMesh& boundary, std::span<const Buil
   sort(result.patch);
   sort(result.building);
   sort(result.cell);
+  // The halves of a quadrilateral have one patch, so they stay together.
+  std::vector<std::uint8_t> is_first_half(order.size(), 0);
+  for (const std::int32_t f : boundary.quads) is_first_half[static_cast<std::size_t>(f)] = 1;
+  sort(is_first_half);
+  result.quads.clear();
+  for (std::size_t f = 0; f < is_first_half.size(); ++f)
+    if (is_first_half[f] != 0) result.quads.push_back(static_cast<std::int32_t>(f));
   return result;
 }
 

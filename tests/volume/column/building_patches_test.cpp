@@ -13,6 +13,7 @@
 #include "tetropolis/check/check_surface.h"
 
 #include "support/explicit_mesh.h"
+#include "support/prism_city.h"
 #include "support/small_city.h"
 
 namespace tetropolis {
@@ -49,6 +50,27 @@ TEST(BuildingPatches, HaveTheFacesOfTheirBuilding) {
   }
   EXPECT_EQ(found, expected);
   EXPECT_TRUE(check_surface(divided).violations.empty());
+}
+
+TEST(BuildingPatches, KeepTheHalvesOfQuadrilateralsTogether) {
+  const testing::SmallCity city = testing::small_city(testing::hills);
+  const SurfaceMesh whole = extract_boundary(testing::prism_city(city, 10, {3, 0.5, 1.2}).mesh);
+  const SurfaceMesh divided =
+      divide_by_building(whole, named(std::vector<std::string>(city.footprints.size(), "house")));
+  const auto quads_of = [](const SurfaceMesh& surface) {
+    std::set<std::array<std::int32_t, 4>> quads;
+    for (const std::int32_t q : surface.quads) {
+      const auto f = static_cast<std::size_t>(q);
+      const auto& [a, b, c] = surface.triangles[f];
+      EXPECT_EQ(surface.triangles[f + 1][0], a);
+      EXPECT_EQ(surface.triangles[f + 1][1], c);
+      EXPECT_EQ(surface.patch[f], surface.patch[f + 1]);
+      quads.insert({a, b, c, surface.triangles[f + 1][2]});
+    }
+    return quads;
+  };
+  EXPECT_GT(whole.quads.size(), 0U);
+  EXPECT_EQ(quads_of(divided), quads_of(whole));
 }
 
 TEST(BuildingPatches, HaveNamesThatEveryFormatTakes) {
