@@ -76,6 +76,13 @@ void say_synth(const Report& report, std::vector<std::string>& lines) {
                                   path_of(report, footprints), report.config.out));
 }
 
+std::string cells_of(const VolumeMeshFacts& mesh) {
+  const std::int64_t prisms = mesh.prisms.cells, tets = mesh.cells - prisms;
+  if (prisms == 0) return grouped(tets) + " tetrahedra";
+  if (tets == 0) return grouped(prisms) + " prisms";
+  return grouped(tets) + " tetrahedra and " + grouped(prisms) + " prisms";
+}
+
 void say_city(const Report& report, std::vector<std::string>& lines) {
   const CityFacts& city = *report.city;
   std::string source;
@@ -85,17 +92,21 @@ void say_city(const Report& report, std::vector<std::string>& lines) {
                          counted(report.input->footprint_parts, "footprint", "footprints"));
   lines.push_back(fmt::format("Built {}{}, {}", counted(city.buildings, "building", "buildings"),
                               source, where(report)));
-  const std::int64_t prisms = report.volume_mesh ? report.volume_mesh->prisms.cells : 0;
   if (report.volume_mesh)
-    lines.push_back(fmt::format("Meshed the air around: {} tetrahedra{}, up to elevation {:.0f} m",
-                                grouped(report.volume_mesh->cells - prisms),
-                                prisms == 0 ? "" : fmt::format(" and {} prisms", grouped(prisms)),
-                                report.volume_mesh->top));
+    lines.push_back(fmt::format("Meshed the air around: {}, up to elevation {:.0f} m",
+                                cells_of(*report.volume_mesh), report.volume_mesh->top));
   if (const std::string line = account(report); !line.empty()) lines.push_back(line);
 }
 
 void say_quality(const Report& report, std::vector<std::string>& lines) {
-  if (report.volume_mesh)
+  if (const auto& mesh = report.volume_mesh; mesh && mesh->prisms.cells > 0)
+    lines.push_back(
+        fmt::format("prisms     non-orthogonality at most {:.1f}, mean {:.1f} degrees; skewness at "
+                    "most {:.2f}, "
+                    "aspect ratio {:.1f}",
+                    mesh->prisms.max_non_orthogonality_deg, mesh->prisms.mean_non_orthogonality_deg,
+                    mesh->prisms.max_skewness, mesh->prisms.max_aspect_ratio));
+  if (report.volume_mesh && report.volume_mesh->cells > report.volume_mesh->prisms.cells)
     lines.push_back(fmt::format(
         "cells      dihedral angles {:.1f} .. {:.1f} degrees, median of least {:.1f}; {} inverted",
         report.volume_mesh->dihedral_min, report.volume_mesh->dihedral_max,

@@ -267,9 +267,8 @@ class Mesh(Reported):
         """
         import pyvista
 
-        cells = {pyvista.CellType.TETRA: self.cells}
-        if len(self.wedges):
-            cells[pyvista.CellType.WEDGE] = self.wedges
+        kinds = {pyvista.CellType.TETRA: self.cells, pyvista.CellType.WEDGE: self.wedges}
+        cells = {kind: cells for kind, cells in kinds.items() if len(cells)}
         grid = pyvista.UnstructuredGrid(cells, self.points + _shift(self.origin, coordinates))
         grid.cell_data["region"] = np.concatenate([self.region, self._no_region])
         grid.field_data["origin"] = self.origin if coordinates == "local" else (0.0, 0.0, 0.0)
@@ -279,10 +278,9 @@ class Mesh(Reported):
         """With the cell data `region`. `coordinates` as for `to_pyvista`."""
         import meshio
 
-        cells, regions = [("tetra", self.cells)], [self.region]
-        if len(self.wedges):
-            cells.append(("wedge", self.wedges))
-            regions.append(self._no_region)
+        kinds = [("tetra", self.cells, self.region), ("wedge", self.wedges, self._no_region)]
+        cells = [(name, cells) for name, cells, _ in kinds if len(cells)]
+        regions = [regions for _, cells, regions in kinds if len(cells)]
         return meshio.Mesh(self.points + _shift(self.origin, coordinates), cells, cell_data={"region": regions})
 
     @takes_settings("save")

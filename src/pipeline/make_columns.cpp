@@ -118,10 +118,10 @@ ColumnPlan plan_of(const MeshCityOptions& options, const CityParts& parts, const
   return plan;
 }
 
-/// The layers that columns of prisms share. Found by trial: half the mesh size between buildings
-/// resolves walls as tets do, and four of them above are four times as many cells fewer.
+/// The layers that columns of prisms share: between buildings as high as triangles of the mesh size
+/// are far from corner to centre, above them up to six times that.
 std::vector<double> ladder_of(const MeshCityOptions& options, const ColumnPlan& plan) {
-  constexpr double kCanopy = 0.5, kFar = 4;
+  constexpr double kCanopy = 0.6, kFar = 3.6;
   const LayerHeights& below = options.boundary_layers;
   LadderSpacing spacing;
   spacing.first = below.first * std::pow(below.growth, below.count);

@@ -180,6 +180,7 @@ void tell_quality(const ColumnMesh& mesh, MeshQuality measured, VolumeMeshFacts&
       std::max(faces.worst.non_orthogonality_deg, prisms.max_non_orthogonality_deg);
   faces.worst.skewness = std::max(faces.worst.skewness, prisms.max_skewness);
   volume.inverted = quality.inverted();
+  volume.dihedral_counts = quality.dihedral_counts();
   if (quality.cells() == 0) return;  // prisms alone, which are valid
   volume.dihedral_min = quality.min_dihedral_deg();
   volume.dihedral_p0_01 = quality.dihedral_quantile_deg(1e-4);
@@ -187,7 +188,6 @@ void tell_quality(const ColumnMesh& mesh, MeshQuality measured, VolumeMeshFacts&
   volume.dihedral_p1 = quality.dihedral_quantile_deg(1e-2);
   volume.dihedral_median = quality.dihedral_quantile_deg(0.5);
   volume.dihedral_max = quality.max_dihedral_deg();
-  volume.dihedral_counts = quality.dihedral_counts();
   volume.aspect_median = quality.aspect_quantile(0.5);
   volume.aspect_p99 = quality.aspect_quantile(0.99);
   volume.aspect_max = quality.max_aspect_ratio();

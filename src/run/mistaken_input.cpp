@@ -137,13 +137,12 @@ void refuse_mistaken_files(const Config& config) {
 }
 
 void refuse_formats(const Config& config) {
-  if (config.boundary_layers == 0 ||
+  if ((config.boundary_layers == 0 && config.cells == Cells::kTets) ||
       std::find(config.formats.begin(), config.formats.end(), "xdmf") == config.formats.end())
     return;
   throw Error(ErrorKind::kUsage,
-              fmt::format("formats: xdmf cannot hold the prisms of boundary_layers = {}; use vtu, "
-                          "vtkhdf or another one",
-                          config.boundary_layers));
+              "formats: xdmf cannot hold prisms (boundary_layers, cells); use vtu, vtkhdf or another "
+              "one");
 }
 
 void refuse_degree_bounds(const Config& config, const std::string& crs, const Bounds2& data) {

@@ -551,6 +551,17 @@ const std::vector<Setting>& table() {
        [](R plain, R changed) {
          EXPECT_NEAR(plain.volume().top - changed.volume().top, 30, 1e-9);
        }},
+      {"cells",
+       {"prisms"},
+       run_build,
+       [](R plain, R changed) {
+         EXPECT_EQ(plain.volume().prisms.cells, 0);
+         EXPECT_EQ(changed.volume().prisms.cells, changed.volume().cells);
+         EXPECT_LT(changed.volume().cells, plain.volume().cells);
+         EXPECT_TRUE(read_vtu(changed.out / "volume.vtu").cells.empty());
+         for (const CheckedFile& file : check_path(changed.out, std::nullopt))
+           EXPECT_TRUE(file.violations.empty()) << file.violations[0].what;
+       }},
       {"layering",
        {"uniform"},
        run_build,

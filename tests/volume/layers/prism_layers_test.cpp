@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tetropolis/core/error.h"
 #include "tetropolis/volume/column/boundary.h"
 #include "tetropolis/volume/column/explicit_mesh.h"
 #include "tetropolis/volume/quality/prism_quality.h"
@@ -49,8 +50,9 @@ struct Lists {
 
   explicit Lists(const ColumnMesh& mesh) : points(static_cast<std::size_t>(mesh.node_count())) {
     fill_points(mesh, {0, 0, 0}, points);
-    for (const auto& tet : testing::explicit_mesh(mesh).cells)
-      cells.push_back({tet.begin(), tet.end()});
+    if (!mesh.layers.whole)
+      for (const auto& tet : testing::explicit_mesh(mesh).cells)
+        cells.push_back({tet.begin(), tet.end()});
     std::vector<std::array<NodeIndex, 6>> wedges(static_cast<std::size_t>(mesh.layers.cells()));
     fill_wedges(mesh, wedges);
     for (const auto& w : wedges) {
@@ -82,100 +84,121 @@ struct Lists {
   }
 };
 
+/// Cells are positive and share whole faces, the boundary and the faces between cells are those
+/// that a map of all finds, and the volume is that above the floors of `plan`.
+void expect_conforming(const ColumnMesh& mesh, const ColumnPlan& plan) {
+  const Lists lists(mesh);
+  std::map<Nodes, std::int64_t> faces;  // per face, in the direction that leaves it, the cell
+  double volume = 0;
+  for (std::size_t c = 0; c < lists.cells.size(); ++c) {
+    double own = 0;
+    for (const Nodes& face : Lists::faces(lists.cells[c])) {
+      EXPECT_TRUE(faces.emplace(turned(face), static_cast<std::int64_t>(c)).second);
+      own += lists.share(face);
+    }
+    EXPECT_GT(own, 0);
+    volume += own;
+  }
+  std::map<Nodes, std::int64_t> outer;
+  std::map<std::pair<std::int64_t, std::int64_t>, Nodes> inner;
+  for (const auto& [nodes, cell] : faces) {
+    const auto opposite = faces.find(reversed(nodes));
+    if (opposite == faces.end())
+      outer.emplace(nodes, cell);
+    else if (cell < opposite->second)
+      inner.emplace(std::pair(cell, opposite->second), nodes);
+  }
+
+  const SurfaceMesh boundary = extract_boundary(mesh);
+  EXPECT_TRUE(check_topology(boundary).closed());
+  EXPECT_TRUE(check_topology(boundary).manifold());
+  const SurfaceFaces surface(boundary);
+  ASSERT_EQ(surface.size(), outer.size());
+  std::int64_t quads = 0;
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    Nodes nodes;
+    for (const std::int32_t p : surface.corners(i))
+      nodes.push_back(boundary.node[static_cast<std::size_t>(p)].value());
+    quads += surface.is_quad(i) ? 1 : 0;
+    ASSERT_EQ(nodes.size(), surface.is_quad(i) ? 4U : 3U);
+    const auto found = outer.find(turned(nodes));
+    ASSERT_NE(found, outer.end());
+    const std::size_t f = surface.triangle(i);
+    EXPECT_EQ(boundary.cell[f], CellIndex(found->second));
+    if (!surface.is_quad(i)) continue;
+    EXPECT_EQ(boundary.cell[f + 1], boundary.cell[f]);
+    // At a wall it belongs to the building behind.
+    EXPECT_EQ(boundary.patch[f] == Patch::kWall, boundary.building[f] >= 0);
+  }
+  EXPECT_EQ(quads, std::ssize(boundary.quads));
+  EXPECT_GT(quads, 0);
+  std::int64_t counted = 0;
+  for (const PatchCount& count : count_by_patch(boundary)) counted += count.faces;
+  EXPECT_EQ(counted, static_cast<std::int64_t>(surface.size()));
+
+  // As OpenFOAM wants them.
+  const std::vector<CellIndex> cells = cell_offsets(mesh);
+  auto expected = inner.begin();
+  const auto expect_next = [&](CellIndex cell, CellIndex neighbour, const Nodes& nodes) {
+    ASSERT_NE(expected, inner.end());
+    EXPECT_EQ(expected->first, std::pair(cell.value(), neighbour.value()));
+    EXPECT_EQ(expected->second, turned(nodes));
+    ++expected;
+  };
+  const auto values = [](const auto& nodes, std::size_t count) {
+    Nodes result;
+    for (std::size_t i = 0; i < count; ++i) result.push_back(nodes[i].value());
+    return result;
+  };
+  InternalFaces below(mesh, cells);
+  for (const TriangleIndex t : mesh.ground.triangles.indices())
+    for (const InternalFace& face : below.owned_over(t))
+      expect_next(face.owner, face.neighbour, values(face.nodes, 3));
+  for (const UpperFaces::Inner& face : upper_faces(mesh).inner)
+    expect_next(face.cell, face.neighbour, values(face.nodes, 3));
+  for (const PrismFace& face : prism_faces(mesh, cells.back()))
+    expect_next(face.owner, face.neighbour, values(face.nodes, face.corners));
+  EXPECT_EQ(expected, inner.end());
+
+  double expected_volume = 0;
+  for (const TriangleIndex t : mesh.ground.triangles.indices()) {
+    const auto& v = mesh.ground.triangles[t];
+    const auto at = [&](std::size_t i) { return mesh.ground.vertices[v[i]]; };
+    const double area =
+        ((at(1).x - at(0).x) * (at(2).y - at(0).y) - (at(1).y - at(0).y) * (at(2).x - at(0).x)) / 2;
+    for (const VertexIndex u : v) {
+      const double below_tets = mesh.has_layers(t) ? plan.lift[u] : 0;
+      const double floor = mesh.z[mesh.floor_over(t, u)] - below_tets;
+      expected_volume += area / 3 * (plan.layers.top - floor);
+    }
+  }
+  EXPECT_NEAR(volume / expected_volume, 1, 1e-12);
+}
+
 TEST(PrismLayers, ConformAndFillWhatIsBelowTheTets) {
   for (const auto& [name, terrain] : testing::kHardTerrains)
     for (const double size : {12.0, 5.0}) {
       SCOPED_TRACE(std::string(name) + " " + std::to_string(size));
       const testing::MeshedCity city = prism_city(testing::small_city(terrain), size, kFive);
-      const ColumnMesh& mesh = city.mesh;
-      const Lists lists(mesh);
-      std::map<Nodes, std::int64_t> faces;  // per face, in the direction that leaves it, the cell
-      double volume = 0;
-      for (std::size_t c = 0; c < lists.cells.size(); ++c) {
-        double own = 0;
-        for (const Nodes& face : Lists::faces(lists.cells[c])) {
-          EXPECT_TRUE(faces.emplace(turned(face), static_cast<std::int64_t>(c)).second);
-          own += lists.share(face);
-        }
-        EXPECT_GT(own, 0);
-        volume += own;
-      }
-      std::map<Nodes, std::int64_t> outer;
-      std::map<std::pair<std::int64_t, std::int64_t>, Nodes> inner;
-      for (const auto& [nodes, cell] : faces) {
-        const auto opposite = faces.find(reversed(nodes));
-        if (opposite == faces.end())
-          outer.emplace(nodes, cell);
-        else if (cell < opposite->second)
-          inner.emplace(std::pair(cell, opposite->second), nodes);
-      }
-
-      const SurfaceMesh boundary = extract_boundary(mesh);
-      EXPECT_TRUE(check_topology(boundary).closed());
-      EXPECT_TRUE(check_topology(boundary).manifold());
-      const SurfaceFaces surface(boundary);
-      ASSERT_EQ(surface.size(), outer.size());
-      std::int64_t quads = 0;
-      for (std::size_t i = 0; i < surface.size(); ++i) {
-        Nodes nodes;
-        for (const std::int32_t p : surface.corners(i))
-          nodes.push_back(boundary.node[static_cast<std::size_t>(p)].value());
-        quads += surface.is_quad(i) ? 1 : 0;
-        ASSERT_EQ(nodes.size(), surface.is_quad(i) ? 4U : 3U);
-        const auto found = outer.find(turned(nodes));
-        ASSERT_NE(found, outer.end());
-        const std::size_t f = surface.triangle(i);
-        EXPECT_EQ(boundary.cell[f], CellIndex(found->second));
-        if (!surface.is_quad(i)) continue;
-        EXPECT_EQ(boundary.cell[f + 1], boundary.cell[f]);
-        // At a wall it belongs to the building behind.
-        EXPECT_EQ(boundary.patch[f] == Patch::kWall, boundary.building[f] >= 0);
-      }
-      EXPECT_EQ(quads, std::ssize(boundary.quads));
-      EXPECT_GT(quads, 0);
-      std::int64_t counted = 0;
-      for (const PatchCount& count : count_by_patch(boundary)) counted += count.faces;
-      EXPECT_EQ(counted, static_cast<std::int64_t>(surface.size()));
-
-      // As OpenFOAM wants them.
-      const std::vector<CellIndex> cells = cell_offsets(mesh);
-      auto expected = inner.begin();
-      const auto expect_next = [&](CellIndex cell, CellIndex neighbour, const Nodes& nodes) {
-        ASSERT_NE(expected, inner.end());
-        EXPECT_EQ(expected->first, std::pair(cell.value(), neighbour.value()));
-        EXPECT_EQ(expected->second, turned(nodes));
-        ++expected;
-      };
-      const auto values = [](const auto& nodes, std::size_t count) {
-        Nodes result;
-        for (std::size_t i = 0; i < count; ++i) result.push_back(nodes[i].value());
-        return result;
-      };
-      InternalFaces below(mesh, cells);
-      for (const TriangleIndex t : mesh.ground.triangles.indices())
-        for (const InternalFace& face : below.owned_over(t))
-          expect_next(face.owner, face.neighbour, values(face.nodes, 3));
-      for (const UpperFaces::Inner& face : upper_faces(mesh).inner)
-        expect_next(face.cell, face.neighbour, values(face.nodes, 3));
-      for (const PrismFace& face : prism_faces(mesh, cells.back()))
-        expect_next(face.owner, face.neighbour, values(face.nodes, face.corners));
-      EXPECT_EQ(expected, inner.end());
-
-      double expected_volume = 0;
-      for (const TriangleIndex t : mesh.ground.triangles.indices()) {
-        const auto& v = mesh.ground.triangles[t];
-        const auto at = [&](std::size_t i) { return mesh.ground.vertices[v[i]]; };
-        const double area = ((at(1).x - at(0).x) * (at(2).y - at(0).y) -
-                             (at(1).y - at(0).y) * (at(2).x - at(0).x)) /
-                            2;
-        for (const VertexIndex u : v) {
-          const double below_tets = mesh.has_layers(t) ? city.plan.lift[u] : 0;
-          const double floor = mesh.z[mesh.floor_over(t, u)] - below_tets;
-          expected_volume += area / 3 * (city.plan.layers.top - floor);
-        }
-      }
-      EXPECT_NEAR(volume / expected_volume, 1, 1e-12);
+      expect_conforming(city.mesh, city.plan);
     }
+}
+
+TEST(PrismLayers, PrismsAloneConformToo) {
+  for (const auto& [name, terrain] : testing::kHardTerrains)
+    for (const int layers : {0, 5}) {
+      SCOPED_TRACE(std::string(name) + " " + std::to_string(layers));
+      const testing::MeshedCity city =
+          testing::city_of_prisms(testing::small_city(terrain), 10, {layers, 0.5, 1.2});
+      EXPECT_TRUE(city.mesh.layers.whole);
+      EXPECT_EQ(cell_offsets(city.mesh).back(), CellIndex(0));
+      expect_conforming(city.mesh, city.plan);
+    }
+}
+
+TEST(PrismLayers, ColumnsOfDifferentHeightMakeNoPrisms) {
+  testing::MeshedCity graded = testing::meshed(testing::small_city(testing::hills), 12);
+  EXPECT_THROW(make_whole(graded.mesh), Error);
 }
 
 /// Elevations over a vertex of the layers, their top included.
@@ -245,7 +268,7 @@ TEST(PrismLayers, WallsLeaveTheirShare) {
 
 TEST(PrismLayers, LeaveTheMeshAloneWithoutAny) {
   const testing::MeshedCity plain = testing::meshed(testing::small_city(testing::hills), 6);
-  EXPECT_TRUE(plain.mesh.layers.empty());
+  EXPECT_EQ(plain.mesh.layers.cells(), 0);
   EXPECT_EQ(measure_prisms(plain.mesh, 0.5).cells, 0);
   EXPECT_TRUE(extract_boundary(plain.mesh).quads.empty());
 }

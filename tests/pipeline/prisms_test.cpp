@@ -1,0 +1,129 @@
+// mesh_city with boundary layers, and with cells that are prisms alone.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/pipeline/mesh_city.h"
+
+#include "support/small_city.h"
+
+namespace tetropolis {
+namespace {
+
+CityModel model_of(const testing::SmallCity& small) {
+  CityModel city;
+  city.domain = small.domain;
+  for (std::size_t b = 0; b < small.footprints.size(); ++b) {
+    Building building;
+    building.id = "b" + std::to_string(b);
+    building.footprint = small.footprints[b];
+    building.h_roof = small.roofs[b];
+    building.h_ground = small.roofs[b] - 3;
+    city.buildings.push_back(building);
+  }
+  return city;
+}
+
+CityMesh mesh_of(const testing::SmallCity& small, Cells cells, int layers = 0) {
+  MeshCityOptions options;
+  options.mesh_size = 8;
+  options.cells = cells;
+  options.boundary_layers.count = layers;
+  return mesh_city(model_of(small), small.dtm, options);
+}
+
+double gentle(double x, double y) { return 3 + 2 * std::sin(x / 20) * std::cos(y / 25); }
+
+/// The volume above ground and roofs, as the boundary has them.
+double volume_above_floors(const ColumnMesh& mesh, double top) {
+  double volume = 0;
+  for (const TriangleIndex t : mesh.ground.triangles.indices()) {
+    const auto& v = mesh.ground.triangles[t];
+    const Point2 a = mesh.ground.vertices[v[0]], b = mesh.ground.vertices[v[1]];
+    const Point2 c = mesh.ground.vertices[v[2]];
+    const double area = ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)) / 2;
+    for (const VertexIndex u : v)
+      volume += area / 3 * (top - elevation(mesh, prism_node(mesh, t, u, 0)));
+  }
+  return volume;
+}
+
+TEST(Prisms, AloneFillTheDomainAboveExactFloors) {
+  const testing::SmallCity city = testing::small_city(gentle);
+  const CityMesh mesh = mesh_of(city, Cells::kPrisms);
+  const VolumeMeshFacts& facts = mesh.volume_facts;
+  EXPECT_TRUE(mesh.volume.layers.whole);
+  EXPECT_EQ(mesh.volume.layers.count, 5);
+  EXPECT_EQ(facts.cells, facts.prisms.cells);
+  EXPECT_EQ(facts.cells, mesh.volume.layers.cells());
+  EXPECT_EQ(facts.inverted, 0);
+  EXPECT_TRUE(mesh.surface_facts.closed && mesh.surface_facts.manifold);
+  EXPECT_NEAR(facts.volume / volume_above_floors(mesh.volume, facts.top), 1, 1e-9);
+  EXPECT_GT(facts.prisms.share_as_asked, 0.97);
+  EXPECT_LT(facts.prisms.max_non_orthogonality_deg, 60);
+  EXPECT_LT(facts.prisms.max_skewness, 2);
+  EXPECT_LT(facts.prisms.max_aspect_ratio, 60);
+  for (const Warning& warning : mesh.warnings) EXPECT_NE(warning.code, "too_steep_for_prisms");
+  // Roofs at their elevation, ground on the terrain.
+  std::int64_t roofs = 0;
+  for (const TriangleIndex t : mesh.volume.ground.triangles.indices())
+    for (const VertexIndex v : mesh.volume.ground.triangles[t]) {
+      const double z = elevation(mesh.volume, prism_node(mesh.volume, t, v, 0));
+      const BuildingIndex b = mesh.volume.ground.region_of(t).building;
+      const double wanted =
+          b == kNoBuilding ? sample(city.dtm, mesh.volume.ground.vertices[v]) : city.roofs[b];
+      EXPECT_NEAR(z, wanted, 1e-9);
+      roofs += b == kNoBuilding ? 0 : 1;
+    }
+  EXPECT_GT(roofs, 0);
+  const CityMesh tets = mesh_of(city, Cells::kTets, 5);
+  EXPECT_LT(5 * facts.cells, 3 * tets.volume_facts.cells);
+}
+
+TEST(Prisms, GiveWayToTetsOnSteepTerrain) {
+  const testing::SmallCity steep = testing::small_city([](double x, double) { return x; });
+  const CityMesh mesh = mesh_of(steep, Cells::kPrisms);
+  EXPECT_FALSE(mesh.volume.layers.whole);
+  EXPECT_GT(mesh.volume_facts.prisms.cells, 0);
+  EXPECT_GT(mesh.volume_facts.cells, mesh.volume_facts.prisms.cells);
+  EXPECT_EQ(std::count_if(mesh.warnings.begin(), mesh.warnings.end(),
+                          [](const Warning& w) { return w.code == "too_steep_for_prisms"; }),
+            1);
+}
+
+TEST(Prisms, NeedAFlatTop) {
+  MeshCityOptions options;
+  options.cells = Cells::kPrisms;
+  options.top = Top::kFree;
+  const testing::SmallCity city = testing::small_city(gentle);
+  EXPECT_THROW(mesh_city(model_of(city), city.dtm, options), Error);
+}
+
+TEST(Prisms, LayersHigherThanHalfTheDomainAreRefused) {
+  MeshCityOptions options;
+  options.boundary_layers = {10, 2, 1.2};
+  options.domain_height = 60;
+  const testing::SmallCity city = testing::small_city(gentle);
+  EXPECT_THROW(mesh_city(model_of(city), city.dtm, options), Error);
+}
+
+TEST(Prisms, BelowTetsKeepTheFloorOfQuality) {
+  for (const auto& [name, terrain] : testing::kHardTerrains) {
+    SCOPED_TRACE(name);
+    const testing::SmallCity city = testing::small_city(terrain);
+    const CityMesh mesh = mesh_of(city, Cells::kTets, 5);
+    EXPECT_TRUE(mesh.surface_facts.closed && mesh.surface_facts.manifold);
+    EXPECT_GE(mesh.volume_facts.dihedral_min, 8);
+    EXPECT_LE(mesh.volume_facts.dihedral_max, 160);
+    EXPECT_GT(mesh.volume_facts.prisms.cells, 0);
+  }
+}
+
+}  // namespace
+}  // namespace tetropolis
