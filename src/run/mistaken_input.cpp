@@ -140,9 +140,10 @@ void refuse_formats(const Config& config) {
   if ((config.boundary_layers == 0 && config.cells == Cells::kTets) ||
       std::find(config.formats.begin(), config.formats.end(), "xdmf") == config.formats.end())
     return;
-  throw Error(ErrorKind::kUsage,
-              "formats: xdmf cannot hold prisms (boundary_layers, cells); use vtu, vtkhdf or another "
-              "one");
+  throw Error(
+      ErrorKind::kUsage,
+      "formats: xdmf cannot hold prisms (boundary_layers, cells); use vtu, vtkhdf or another "
+      "one");
 }
 
 void refuse_degree_bounds(const Config& config, const std::string& crs, const Bounds2& data) {
