@@ -302,6 +302,11 @@ void for_each_point_of(const ColumnMesh& mesh, std::size_t row, const Visit& vis
     visit(NodeIndex(mesh.column_nodes()) + static_cast<std::int64_t>(i), points[i]);
 }
 
+/// The building below prism i of layers.cells(), or kNoBuilding.
+inline BuildingIndex building_of_prism(const ColumnMesh& mesh, std::int64_t i) {
+  return mesh.ground.region_of(triangle_below(mesh, i)).building;
+}
+
 /// Position of a node over ground vertex v.
 inline std::array<double, 3> position(const ColumnMesh& mesh, VertexIndex v, NodeIndex node) {
   const Point2 p = mesh.ground.vertices[v];
