@@ -199,6 +199,27 @@ Result intersect(std::span<const Polygon> a, std::span<const Polygon> b, double 
                          : GEOSIntersection_r(context.get(), left.get(), right.get())});
 }
 
+Result faces(std::span<const Polygon> polygons, double grid) {
+  const Context context;
+  std::vector<GEOSGeometry*> rings;
+  const auto add = [&](const Ring& ring) {
+    if (ring.size() < 3) return;
+    if (GEOSGeometry* made = make_ring(context, ring)) rings.push_back(made);
+  };
+  for (const Polygon& polygon : polygons) {
+    add(polygon.outer);
+    for (const Ring& hole : polygon.holes) add(hole);
+  }
+  const Geometry lines(context, GEOSGeom_createCollection_r(context.get(), GEOS_MULTILINESTRING,
+                                                            rings.data(),
+                                                            static_cast<unsigned>(rings.size())));
+  if (lines.get() == nullptr) return std::nullopt;
+  const Geometry noded(context, GEOSUnaryUnionPrec_r(context.get(), lines.get(), grid));
+  if (noded.get() == nullptr) return std::nullopt;
+  const GEOSGeometry* const input = noded.get();
+  return read(context, {context, GEOSPolygonize_r(context.get(), &input, 1)});
+}
+
 bool is_valid(std::span<const Polygon> polygons) {
   const Context context;
   const Geometry input = make_collection(context, polygons, GEOS_MULTIPOLYGON);

@@ -33,6 +33,11 @@ Result subtract(std::span<const Polygon> a, std::span<const Polygon> b, double g
 /// a and b; both are lists of valid polygons with disjoint interiors.
 Result intersect(std::span<const Polygon> a, std::span<const Polygon> b, double grid);
 
+/// The faces that the rings of all polygons divide the plane into, the one around all left out.
+/// Rings are noded on multiples of `grid` first, so faces have the same vertices along what they
+/// share; ends of lines that bound nothing are left out.
+Result faces(std::span<const Polygon> polygons, double grid);
+
 /// Valid in the OGC sense: rings may touch in points.
 bool is_valid(std::span<const Polygon> polygons);
 

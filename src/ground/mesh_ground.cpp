@@ -7,6 +7,8 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -25,10 +27,71 @@ namespace tetropolis {
 
 namespace {
 
+struct Before {
+  bool operator()(Point2 p, Point2 q) const { return p.x != q.x ? p.x < q.x : p.y < q.y; }
+};
+
+// What areas of the ground lie along outlines of buildings and sides of the domain, and the lines
+// between areas.
+class SurfaceBorders {
+ public:
+  SurfaceBorders(const Surfaces* surfaces, RegionIndex open_ground) : open_ground_(open_ground) {
+    if (surfaces == nullptr) return;
+    for (const SurfaceLine& line : surfaces->lines) {
+      const bool turn = line.left != SurfaceLine::kBeyond;  // buildings lie on the left
+      if (line.left != SurfaceLine::kBeyond && line.right != SurfaceLine::kBeyond)
+        inner_.push_back(line);
+      else
+        pieces_[turn ? line.to : line.from] = {turn ? line.from : line.to,
+                                               region(turn ? line.left : line.right)};
+    }
+  }
+
+  struct Piece {
+    Point2 to;
+    RegionIndex region;
+  };
+  // The pieces of the straight line from p to q, with the building or what is beyond the domain on
+  // the left: each with where it ends and what is on the right.
+  std::vector<Piece> pieces(Point2 p, Point2 q) const {
+    std::vector<Piece> result;
+    for (auto next = pieces_.find(p); next != pieces_.end(); next = pieces_.find(next->second.to)) {
+      result.push_back(next->second);
+      if (next->second.to == q) return result;
+    }
+    return {{q, open_ground_}};
+  }
+
+  const std::vector<SurfaceLine>& inner() const { return inner_; }
+  RegionIndex region(std::int32_t area) const {
+    return area == SurfaceLine::kOpenGround ? open_ground_ : open_ground_ + 1 + area;
+  }
+
+ private:
+  RegionIndex open_ground_;
+  std::map<Point2, Piece, Before> pieces_;
+  std::vector<SurfaceLine> inner_;
+};
+
+// Vertices by where they are: those that lines of areas end at.
+class SharedVertices {
+ public:
+  VertexIndex at(Point2 p, PlanarGraph& graph) {
+    const auto [place, is_new] = vertices_.try_emplace(p, graph.points.size());
+    if (is_new) graph.points.push_back(p);
+    return place->second;
+  }
+  void note(Point2 p, VertexIndex v) { vertices_.emplace(p, v); }
+
+ private:
+  std::map<Point2, VertexIndex, Before> vertices_;
+};
+
 // What is to be triangulated, and what its segments are: TaggedEdge without vertices.
 struct Input {
   PlanarGraph graph;
   std::vector<TaggedEdge> segments;
+  SharedVertices shared;
 };
 
 void require_inside(const Domain& domain, BuildingIndex building, Point2 p) {
@@ -67,32 +130,45 @@ void require_sizes(const GroundMeshOptions& options) {
 
 // Adds a ring, directed so that the building lies on the left of its segments.
 void add_ring(const Ring& ring, bool is_hole, BuildingIndex building, RegionIndex inside,
-              RegionIndex outside, const Domain& domain, const GroundMeshOptions& options,
+              const SurfaceBorders& borders, const Domain& domain, const GroundMeshOptions& options,
               std::int32_t number, Input& input) {
   PlanarGraph& graph = input.graph;
   const VertexIndex first(graph.points.size());
   const bool turn = (signed_area(ring) > 0) == is_hole;
+  for (const Point2 p : ring) {
+    require_inside(domain, building, p);
+    if (options.surfaces != nullptr) input.shared.note(p, VertexIndex(graph.points.size()));
+    graph.points.push_back(p);
+  }
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const std::size_t j = i + 1 == ring.size() ? 0 : i + 1;
-    const Point2 p = ring[i];
-    require_inside(domain, building, p);
-    graph.points.push_back(p);
-    const VertexIndex a = first + i, b = first + j;
-    graph.segments.push_back(turn ? std::array{b, a} : std::array{a, b});
-    graph.segment_sides.push_back({inside.value(), outside.value()});
-    input.segments.push_back({{}, {}, inside, number++});
-    if (has_bounds(options))
-      graph.segment_max_edge.push_back(options.wall_edge ? options.wall_edge(inside, p, ring[j])
-                                                         : options.mesh_size);
+    const Point2 p = ring[turn ? j : i], q = ring[turn ? i : j];
+    VertexIndex a = first + (turn ? j : i);
+    const VertexIndex b = first + (turn ? i : j);
+    for (const SurfaceBorders::Piece& piece : borders.pieces(p, q)) {
+      const VertexIndex end = piece.to == q ? b : input.shared.at(piece.to, graph);
+      graph.segments.push_back({a, end});
+      graph.segment_sides.push_back({inside.value(), piece.region.value()});
+      input.segments.push_back({{}, {}, inside, number});
+      if (has_bounds(options))
+        graph.segment_max_edge.push_back(
+            options.wall_edge ? options.wall_edge(inside, ring[i], ring[j]) : options.mesh_size);
+      a = end;
+    }
+    ++number;
   }
 }
 
 // A building of several parts: each line between two of them once.
 class PartLines {
  public:
-  PartLines(std::span<const PartOutline> parts, RegionIndex open_ground,
+  PartLines(std::span<const PartOutline> parts, const SurfaceBorders& borders,
             const GroundMeshOptions& options, Input& input)
-      : parts_(parts), open_ground_(open_ground), options_(options), input_(input) {}
+      : parts_(parts),
+        borders_(borders),
+        options_(options),
+        input_(input),
+        vertices_(options.surfaces == nullptr ? own_ : input.shared) {}
 
   void add(RegionIndex first, RegionIndex end, const Domain& domain) {
     for (const RegionIndex part : IndexRange<RegionIndex>(first, end))
@@ -108,10 +184,10 @@ class PartLines {
 
  private:
   using Line = std::array<Point2, 2>;
-  struct Before {
-    bool operator()(Point2 p, Point2 q) const { return p.x != q.x ? p.x < q.x : p.y < q.y; }
+  struct LineBefore {
     bool operator()(const Line& p, const Line& q) const {
-      return p[0] != q[0] ? (*this)(p[0], q[0]) : (*this)(p[1], q[1]);
+      const Before before;
+      return p[0] != q[0] ? before(p[0], q[0]) : before(p[1], q[1]);
     }
   };
 
@@ -135,7 +211,10 @@ class PartLines {
     if (other == owner_.end()) {
       const double longest =
           options_.wall_edge ? options_.wall_edge(part, a, b) : options_.mesh_size;
-      add_piece(a, b, {part, open_ground_}, number, longest);
+      for (const SurfaceBorders::Piece& piece : borders_.pieces(a, b)) {
+        add_piece(a, piece.to, {part, piece.region}, number, longest);
+        a = piece.to;
+      }
     } else if (other->second > part) {
       std::vector<LinePiece> pieces{{b, options_.mesh_size}};
       if (options_.party_line) pieces = options_.party_line(part, other->second, a, b);
@@ -155,32 +234,40 @@ class PartLines {
     if (has_bounds(options_)) graph.segment_max_edge.push_back(longest);
   }
 
-  VertexIndex vertex(Point2 p) {
-    const auto [place, is_new] = vertices_.try_emplace(p, input_.graph.points.size());
-    if (is_new) input_.graph.points.push_back(p);
-    return place->second;
-  }
+  VertexIndex vertex(Point2 p) { return vertices_.at(p, input_.graph); }
 
   std::span<const PartOutline> parts_;
-  RegionIndex open_ground_;
+  const SurfaceBorders& borders_;
   const GroundMeshOptions& options_;
   Input& input_;
-  std::map<Line, RegionIndex, Before> owner_;  // of the side on the left
-  std::map<Point2, VertexIndex, Before> vertices_;
+  std::map<Line, RegionIndex, LineBefore> owner_;  // of the side on the left
+  SharedVertices own_;
+  SharedVertices& vertices_;
 };
 
 Input make_input(std::span<const PartOutline> parts, const Domain& domain,
                  const GroundMeshOptions& options) {
   const RegionIndex open_ground(parts.size());
+  const SurfaceBorders borders(options.surfaces, open_ground);
   Input input;
   PlanarGraph& graph = input.graph;
   graph.points = domain.outline().outer;
-  for (const VertexIndex v : indices<VertexIndex>(graph.points.size())) {
-    const VertexIndex next = v + 1;
-    graph.segments.push_back({v, next < graph.points.size() ? next : VertexIndex(0)});
-    graph.segment_sides.push_back({open_ground.value(), kUnmarkedSide});
-    input.segments.push_back({{}, {}, kNoRegion, v.value()});
-    if (has_bounds(options)) graph.segment_max_edge.push_back(longest_edge(options));
+  const std::size_t sides = graph.points.size();
+  if (options.surfaces != nullptr)
+    for (const VertexIndex v : indices<VertexIndex>(sides)) input.shared.note(graph.points[v], v);
+  for (const VertexIndex v : indices<VertexIndex>(sides)) {
+    // What is beyond the domain lies on the left of pieces, and on the right of its sides.
+    const VertexIndex next = v + 1 < sides ? v + 1 : VertexIndex(0);
+    const Point2 p = graph.points[v], q = graph.points[next];
+    VertexIndex end = next;
+    for (const SurfaceBorders::Piece& piece : borders.pieces(q, p)) {
+      const VertexIndex begin = piece.to == p ? v : input.shared.at(piece.to, graph);
+      graph.segments.push_back({begin, end});
+      graph.segment_sides.push_back({piece.region.value(), kUnmarkedSide});
+      input.segments.push_back({{}, {}, kNoRegion, v.value()});
+      if (has_bounds(options)) graph.segment_max_edge.push_back(longest_edge(options));
+      end = begin;
+    }
   }
   std::vector<RegionIndex> first_part;  // of each building
   for (const RegionIndex part : indices<RegionIndex>(parts.size()))
@@ -199,18 +286,40 @@ Input make_input(std::span<const PartOutline> parts, const Domain& domain,
     const RegionIndex end =
         number_of + 1 < first_part.size() ? first_part[number_of + 1] : open_ground;
     if (end > part + 1) {
-      PartLines(parts, open_ground, options, input).add(part, end, domain);
+      PartLines(parts, borders, options, input).add(part, end, domain);
       continue;
     }
     const BuildingIndex building = parts[part].building;
     const Polygon& footprint = *parts[part].outline;
-    const auto first = static_cast<std::int32_t>(graph.segments.size());
-    const auto number = [&] { return static_cast<std::int32_t>(graph.segments.size()) - first; };
-    add_ring(footprint.outer, false, building, part, open_ground, domain, options, number(), input);
-    for (const Ring& hole : footprint.holes)
-      add_ring(hole, true, building, part, open_ground, domain, options, number(), input);
+    std::int32_t number = 0;
+    const auto add = [&](const Ring& ring, bool is_hole) {
+      add_ring(ring, is_hole, building, part, borders, domain, options, number, input);
+      number += static_cast<std::int32_t>(ring.size());
+    };
+    add(footprint.outer, false);
+    for (const Ring& hole : footprint.holes) add(hole, true);
+  }
+  std::int32_t number = 0;
+  for (const SurfaceLine& line : borders.inner()) {
+    const RegionIndex left = borders.region(line.left), right = borders.region(line.right);
+    graph.segments.push_back({input.shared.at(line.from, graph), input.shared.at(line.to, graph)});
+    graph.segment_sides.push_back({left.value(), right.value()});
+    input.segments.push_back({{}, {}, std::max(left, right), number++});
+    if (has_bounds(options)) graph.segment_max_edge.push_back(longest_edge(options));
   }
   return input;
+}
+
+// Of each kind, after those of the domain.
+std::vector<PatchInfo> patches_of(const Surfaces& surfaces, const Domain& domain) {
+  std::vector<PatchInfo> patches;
+  if (surfaces.kinds.empty()) return patches;
+  auto number = static_cast<std::int32_t>(Patch::kYMax);
+  for (const PatchInfo& info : domain.own_patches())
+    number = std::max(number, static_cast<std::int32_t>(info.patch));
+  for (const std::string_view name : kSurfaceKindNames)
+    patches.push_back({static_cast<Patch>(++number), std::string(name), PatchKind::kGround});
+  return patches;
 }
 
 // Vertices along the curve, those of no triangle left out; triangles by the sum of their vertices'
@@ -293,6 +402,13 @@ GroundMesh mesh_ground_parts(std::span<const PartOutline> parts, const Domain& d
   for (const PartOutline& part : parts)
     regions.push_back({RegionKind::kBuildingPart, part.building, part.part, Patch::kRoof});
   regions.push_back({});
+  std::vector<PatchInfo> floors;
+  if (options.surfaces != nullptr) {
+    floors = patches_of(*options.surfaces, domain);
+    for (const SurfaceKind kind : options.surfaces->kinds)
+      regions.push_back({RegionKind::kOpenGround, kNoBuilding, 0,
+                         floors[static_cast<std::size_t>(kind)].patch});
+  }
   for (const Region& region : regions)
     refinement.off_terrain.push_back(region.is_building() ? 1 : 0);
   std::optional<SizeField> field;
@@ -313,6 +429,7 @@ GroundMesh mesh_ground_parts(std::span<const PartOutline> parts, const Domain& d
   mesh.regions = std::move(regions);
   for (const Domain::Side& side : domain.sides()) mesh.sides.push_back(side.patch);
   for (const PatchInfo& info : domain.own_patches()) mesh.patches.add(info);
+  for (const PatchInfo& info : floors) mesh.patches.add(info);
   return mesh;
 }
 

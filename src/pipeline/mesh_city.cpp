@@ -125,10 +125,11 @@ MeshCityOptions scaled(const MeshCityOptions& options, double factor) {
 }
 
 GroundMesh make_ground(const MeshCityOptions& options, const CityModel& city,
-                       const CityParts& parts, const Raster& dtm, StepClock& clock,
-                       CityMesh& result) {
+                       const CityParts& parts, const Surfaces& surfaces, const Raster& dtm,
+                       StepClock& clock, CityMesh& result) {
   GroundMeshOptions meshing{options.mesh_size, options.min_angle_deg};
   meshing.grading = options.grading;
+  if (!surfaces.kinds.empty()) meshing.surfaces = &surfaces;
   if (options.layering != Layering::kUniform) {
     meshing.wall_edge = [&](RegionIndex part, Point2 a, Point2 b) {
       return longest_wall_edge(dtm, parts.roofs[part], a, b, options.min_wall_height,
@@ -142,11 +143,12 @@ GroundMesh make_ground(const MeshCityOptions& options, const CityModel& city,
   GroundMesh ground = clock.run("3.1", "ground mesh", [&](const Progress& progress) {
     return mesh_ground_parts(parts.outlines, city.domain, meshing, progress);
   });
-  result.ground_facts =
-      GroundMeshFacts{static_cast<std::int64_t>(ground.vertices.size()),
-                      static_cast<std::int64_t>(ground.triangles.size()),
-                      angle_statistics(ground.vertices, ground.triangles).min_deg,
-                      ground.small_input_angles, ground.triangles_below_min_angle};
+  GroundMeshFacts& facts = result.ground_facts;
+  facts.vertices = static_cast<std::int64_t>(ground.vertices.size());
+  facts.triangles = static_cast<std::int64_t>(ground.triangles.size());
+  facts.min_angle_deg = angle_statistics(ground.vertices, ground.triangles).min_deg;
+  facts.small_input_angles = ground.small_input_angles;
+  facts.triangles_below_min_angle = ground.triangles_below_min_angle;
   return ground;
 }
 
@@ -223,24 +225,47 @@ void move_into_crs(GroundMesh& ground, Point2 origin) {
 }
 
 /// Steps 3.1 to 3.5, with some buildings as blocks.
-Columns columns_of(const MeshCityOptions& options, const CityModel& city, const Raster& terrain,
-                   const CitySize& size, std::span<const BuildingIndex> blocks, StepClock& clock,
-                   CityMesh& result) {
+Columns columns_of(const MeshCityOptions& options, const CityModel& city, const Surfaces& surfaces,
+                   const Raster& terrain, const CitySize& size,
+                   std::span<const BuildingIndex> blocks, StepClock& clock, CityMesh& result) {
   const CityParts parts = parts_of(city, options, blocks);
-  GroundMesh ground = make_ground(options, city, parts, terrain, clock, result);
+  GroundMesh ground = make_ground(options, city, parts, surfaces, terrain, clock, result);
   move_into_crs(ground, city.origin);
   return make_columns(options, parts, terrain, size, std::move(ground), clock, result);
 }
 
 MeshCityOptions in_local_frame(MeshCityOptions options, Point2 origin) {
-  for (SizeRegion& region : options.grading.regions) {
-    const auto move = [&](Ring& ring) {
-      for (Point2& p : ring) p = {p.x - origin.x, p.y - origin.y};
-    };
-    move(region.area.outer);
-    for (Ring& hole : region.area.holes) move(hole);
-  }
+  const auto move = [&](Polygon& area) {
+    for (Point2& p : area.outer) p = {p.x - origin.x, p.y - origin.y};
+    for (Ring& hole : area.holes)
+      for (Point2& p : hole) p = {p.x - origin.x, p.y - origin.y};
+  };
+  for (SizeRegion& region : options.grading.regions) move(region.area);
+  for (SurfaceArea& surface : options.surfaces) move(surface.area);
   return options;
+}
+
+/// The ground divided by options.surfaces. Warns of what is lost.
+Surfaces surfaces_of(const MeshCityOptions& options, const CityModel& city, StepClock& clock,
+                     CityMesh& result) {
+  if (options.surfaces.empty()) return {};
+  std::vector<Polygon> footprints;
+  for (const Building& building : city.buildings) footprints.push_back(building.footprint);
+  Surfaces surfaces = clock.run("3.1", "surface layers", [&](const Progress&) {
+    return divide_ground(options.surfaces, footprints, city.domain, options.surface_clearance);
+  });
+  constexpr double kLost = 0.05;
+  for (std::size_t k = 0; k < kSurfaceKindNames.size(); ++k) {
+    const double given = surfaces.area_given[k], meshed = surfaces.area_meshed[k];
+    result.ground_facts.surfaces[k] = meshed;
+    if (meshed < (1 - kLost) * given)
+      result.warnings.push_back(
+          {"surface_lost", static_cast<std::int64_t>(std::llround(given - meshed)),
+           fmt::format("m2 of {}'s {:.0f} are narrower or smaller than the clearance of {} m "
+                       "allows; a smaller min_building_distance keeps more",
+                       kSurfaceKindNames[k], given, options.surface_clearance)});
+  }
+  return surfaces;
 }
 
 void add_upper(const MeshCityOptions& options, Columns& columns, StepClock& clock) {
@@ -262,8 +287,9 @@ double estimated_scale(const MeshCityOptions& options, const CitySize& size, dou
 
 /// The factor at which the mesh has options.target_cells, to kTargetError where there is one: by
 /// meshing, and a secant of the logarithms within the bracket that is known.
-double find_scale(const MeshCityOptions& options, const CityModel& city, const Raster& terrain,
-                  const CitySize& size, StepClock& clock, std::vector<Warning>& warnings) {
+double find_scale(const MeshCityOptions& options, const CityModel& city, const Surfaces& surfaces,
+                  const Raster& terrain, const CitySize& size, StepClock& clock,
+                  std::vector<Warning>& warnings) {
   const double target = options.target_cells;
   double scale = std::min(estimated_scale(options, size, target), kGreatestStep);
   double low = kLeastScale, high = kGreatestScale;  // too many cells, too few
@@ -277,7 +303,7 @@ double find_scale(const MeshCityOptions& options, const CityModel& city, const R
       continue;
     }
     CityMesh scratch;
-    Columns columns = columns_of(trial, city, terrain, size, {}, clock, scratch);
+    Columns columns = columns_of(trial, city, surfaces, terrain, size, {}, clock, scratch);
     add_upper(trial, columns, clock);
     auto cells = static_cast<double>(cell_offsets(columns.mesh).back().value());
     if (options.cells == Cells::kPrisms) cells /= 3;
@@ -320,9 +346,10 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
   if (options.own_top && city.domain_top > highest)
     options.domain_height = city.domain_top - highest;
   const CitySize size = size_of(options, city, terrain);
+  const Surfaces surfaces = surfaces_of(options, city, clock, result);
   double scale = 1;
   if (options.target_cells > 0) {
-    scale = find_scale(options, city, terrain, size, clock, result.warnings);
+    scale = find_scale(options, city, surfaces, terrain, size, clock, result.warnings);
     options = scaled(options, scale);
   }
   require_mesh_fits(options, size);
@@ -339,7 +366,7 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
   terrain.x0 = in_crs(terrain.x0, origin.x);
   terrain.y0 = in_crs(terrain.y0, origin.y);
   const std::vector<Warning> before = result.warnings;
-  Columns columns = columns_of(options, city, terrain, size, blocks, clock, result);
+  Columns columns = columns_of(options, city, surfaces, terrain, size, blocks, clock, result);
   // With steep roofs a few decimetres above each other there may be no order of climbing.
   for (auto missed = missed_buildings(columns.mesh); !missed.empty();
        missed = missed_buildings(columns.mesh)) {
@@ -348,7 +375,7 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
     result.warnings = before;
     result.solver.clear();
     result.volume_facts.roof_steps_closed = 0;
-    columns = columns_of(options, city, terrain, size, blocks, clock, result);
+    columns = columns_of(options, city, surfaces, terrain, size, blocks, clock, result);
   }
   result.volume_facts.min_vertical_gap = require_valid(columns.mesh);
   if (!blocks.empty() && !solves_laplace(options))

@@ -34,7 +34,7 @@ CellScore score_of(std::vector<double> cells) {
 std::vector<double> cells_of_buildings(const CityModel& city, const GroundMesh& ground) {
   std::vector<double> length(city.buildings.size(), 0), edges(city.buildings.size(), 0);
   for (const TaggedEdge& edge : ground.tagged_edges) {
-    if (edge.region == kNoRegion) continue;
+    if (edge.region == kNoRegion || !ground.regions[edge.region].is_building()) continue;
     const BuildingIndex b = ground.regions[edge.region].building;
     length[b] += distance(ground.vertices[edge.low], ground.vertices[edge.high]);
     edges[b] += 1;

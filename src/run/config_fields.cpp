@@ -8,6 +8,7 @@
 
 #include "memory_limit.h"
 #include "read_size_regions.h"
+#include "read_surfaces.h"
 
 namespace tetropolis {
 
@@ -27,6 +28,8 @@ ChoiceMember choice() {
 void require_crs(const std::string& text) { normalise_crs(text); }
 
 void require_refine(const std::string& text) { parse_refine(text); }
+
+void require_surface_layer(const std::string& text) { parse_surface_layer(text); }
 
 void require_size(const std::string& text) {
   if (!text.empty()) parse_size(text);
@@ -444,6 +447,15 @@ std::vector<ConfigField> make_fields() {
                "box in the CRS of the points",
        .value = "FILE:SIZE or XMIN,YMIN,XMAX,YMAX:SIZE",
        .require = require_refine},
+      {.name = "surface_layers",
+       .group = "Mesh",
+       .member = &C::surface_layers,
+       .commands = kMeshing,
+       .help = "Polygons of water, roads and vegetation: their edges become edges of the mesh, the "
+               "ground in them a patch, water level; of one kind, or of the kinds that an "
+               "attribute names",
+       .value = "FILE:water|road|vegetation or FILE:ATTRIBUTE",
+       .require = require_surface_layer},
       {.name = "target_cells",
        .group = "Mesh",
        .member = &C::target_cells,

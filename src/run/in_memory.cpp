@@ -20,6 +20,7 @@
 #include "read_input.h"
 #include "read_meshable.h"
 #include "read_size_regions.h"
+#include "read_surfaces.h"
 #include "run_frame.h"
 #include "write_page.h"
 
@@ -101,6 +102,7 @@ CityMesh make_mesh(const Config& config, const CityModel& city, Raster terrain,
                    const StepHooks& hooks, Report& report) {
   MeshCityOptions options = mesh_options(config);
   options.grading.regions = read_size_regions(config, city.crs, report.warnings);
+  options.surfaces = read_surfaces(config, city.crs, report.warnings);
   CityMesh mesh = mesh_city(city, std::move(terrain), options, hooks);
   add_steps(mesh.steps, report);
   add_warnings(mesh.warnings, report);

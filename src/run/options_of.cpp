@@ -45,6 +45,7 @@ MeshCityOptions mesh_options(const Config& config) {
   options.grading.far_size = config.far_size;
   options.grading.ground_size = config.ground_size;
   options.grading.growth = config.size_growth;
+  options.surface_clearance = config.min_building_distance;
   options.target_cells = config.target_cells;
   options.min_angle_deg = config.min_angle;
   if (config.domain_height > 0) options.domain_height = config.domain_height;

@@ -232,6 +232,9 @@ void fields_of(GroundMeshFacts& mesh, const Field& field) {
         "corners of the input sharper than `min_angle`");
   field("triangles_below_min_angle", mesh.triangles_below_min_angle, "integer",
         "triangles below `min_angle`, at such corners and across from them");
+  field("water_area", mesh.surfaces[0], "number, m²", "of `surface_layers`, as meshed");
+  field("road_area", mesh.surfaces[1], "number, m²", "");
+  field("vegetation_area", mesh.surfaces[2], "number, m²", "");
   field("size_scale", mesh.size_scale, "number",
         "what all sizes were multiplied by for `target_cells`; 1 without");
   field("cells_per_building", mesh.resolution.buildings, "object", "");

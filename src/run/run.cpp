@@ -19,6 +19,7 @@
 #include "mistaken_input.h"
 #include "options_of.h"
 #include "read_size_regions.h"
+#include "read_surfaces.h"
 #include "replace_results.h"
 #include "result_files.h"
 #include "run_frame.h"
@@ -124,6 +125,8 @@ std::vector<std::string> input_files(const Config& config) {
   if (domain_shape(config) == DomainShape::kPolygon) files.push_back(config.domain);
   for (const std::string& entry : config.refine)
     if (std::string file = parse_refine(entry).file; !file.empty()) files.push_back(file);
+  for (const std::string& entry : config.surface_layers)
+    files.push_back(parse_surface_layer(entry).file);
   return files;
 }
 

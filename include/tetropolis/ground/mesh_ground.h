@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "tetropolis/city/surfaces.h"
 #include "tetropolis/core/progress.h"
 #include "tetropolis/geometry/domain.h"
 #include "tetropolis/geometry/types.h"
@@ -54,10 +55,14 @@ struct GroundMeshOptions {
   /// Elevation of the terrain, for the sake of steep triangles: see RefineOptions.
   std::function<double(Point2)> elevation = {};
   SizeGrading grading = {};
+  /// The ground outside buildings, divided; each of its areas is a region after the open ground,
+  /// with a patch of its kind. nullptr: all is open ground.
+  const Surfaces* surfaces = nullptr;
 };
 
 /// Meshes `domain`, inside and outside of the footprints. Region b is footprint b,
-/// the last one the open ground around them and in their courtyards (regions_of_buildings).
+/// the last one the open ground around them and in their courtyards (regions_of_buildings); after
+/// it come areas of options.surfaces, which are of these footprints and this domain.
 ///
 /// Precondition: rings are simple; footprints do not overlap, best with some clearance (the gap
 /// sets the edge length in it), and lie strictly inside of the domain. Orientation is free.

@@ -1,12 +1,14 @@
 // Steps 3.1 to 3.5 in memory: from a city model and its terrain to a volume mesh and its boundary.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "tetropolis/city/city_model.h"
+#include "tetropolis/city/surfaces.h"
 #include "tetropolis/core/steps.h"
 #include "tetropolis/core/warning.h"
 #include "tetropolis/ground/mesh_ground.h"
@@ -33,6 +35,8 @@ struct MeshCityOptions {
   double mesh_size = 10;  ///< Longest edge of the ground mesh in buildings, at walls and, without
                           ///< a grading, everywhere; metres, > 0.
   SizeGrading grading = {};  ///< How edges grow away from buildings. Regions: CRS coordinates.
+  std::vector<SurfaceArea> surfaces = {};  ///< Water, roads, vegetation. CRS coordinates.
+  double surface_clearance = 1;  ///< Of their edges, from each other and buildings; metres, > 0.
   double target_cells = 0;   ///< Scales all sizes until the mesh has about so many; 0: it does not.
   double min_angle_deg = 25;   ///< Of the ground mesh; 0 to 33.
   double domain_height = 100;  ///< Of the top above the highest terrain, metres, > 0.
@@ -82,6 +86,7 @@ struct GroundMeshFacts {
   double min_angle_deg = 0;
   std::int64_t small_input_angles = 0;
   std::int64_t triangles_below_min_angle = 0;
+  std::array<double, 3> surfaces = {};  ///< Area of each SurfaceKind, square metres.
   double size_scale = 1;  ///< What all sizes were multiplied by for the target number of cells.
   ResolutionFacts resolution = {};
 };

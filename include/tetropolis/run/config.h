@@ -86,6 +86,7 @@ struct Config {
   double ground_size = 0;
   double size_growth = 1.2;
   std::vector<std::string> refine;
+  std::vector<std::string> surface_layers;
   double target_cells = 0;
   double min_angle = 25;
   double domain_height = 0;

@@ -576,7 +576,10 @@ class Clearing {
         const double cost = points_.cost_of_merging(other, gone) - 1e-3 * border;
         if (cost < best_cost) best_cost = cost, best = other;
       }
-      if (best == Partition::kOutside) return;
+      if (best == Partition::kOutside) {  // in a courtyard of its own
+        areas.erase(least);
+        continue;
+      }
       merge(best, gone);
       areas = lines_.areas();
     }

@@ -158,6 +158,10 @@ double RegionPoints::cost_of_region(RoofRegion r) const {
 }
 
 double RegionPoints::cost_of_merging(RoofRegion a, RoofRegion b) const {
+  if (roof(a).lod == Lod::kBlock && roof(b).lod == Lod::kBlock) {  // the first one's stays
+    const std::vector<std::uint32_t> second = points_of(b);
+    return cost(roof(a).plane, second) - cost(roof(b).plane, second);
+  }
   std::vector<std::uint32_t> both = points_of(a);
   const std::vector<std::uint32_t> second = points_of(b);
   const double before = cost(roof(a).plane, both) + cost(roof(b).plane, second);

@@ -6,6 +6,7 @@
 
 #include "core/infinity.h"
 #include "core/parallel.h"
+#include "core/sort_once.h"
 #include "layers_at_walls.h"
 
 namespace tetropolis {
@@ -54,12 +55,46 @@ double longest_wall_edge(const Raster& dtm, const RoofPlane& roof, Point2 a, Poi
   return std::max(kEdgesPerHeight * std::max(least, kLeastHeight), kEdgesPerDepth * -lowest);
 }
 
+namespace {
+
+/// Levels the vertices of each region of water.
+void level_water(const GroundMesh& mesh, std::vector<double>& terrain) {
+  IndexedVector<RegionIndex, std::int8_t> is_water;
+  for (const Region& region : mesh.regions)
+    is_water.push_back(mesh.patches.of(region.floor).name == "water" ? 1 : 0);
+  if (std::find(is_water.begin(), is_water.end(), 1) == is_water.end()) return;
+  std::vector<std::uint8_t> has_land(mesh.vertices.size(), 0);
+  IndexedVector<RegionIndex, std::vector<VertexIndex>> vertices(mesh.regions.size());
+  for (const TriangleIndex t : mesh.triangles.indices())
+    for (const VertexIndex v : mesh.triangles[t])
+      if (const RegionIndex r = mesh.region[t]; is_water[r] != 0)
+        vertices[r].push_back(v);
+      else
+        has_land[v] = 1;
+  for (std::vector<VertexIndex>& own : vertices) {
+    sort_once(own);
+    std::vector<double> rim, all;
+    for (const VertexIndex v : own) {
+      all.push_back(terrain[v]);
+      if (has_land[v] != 0) rim.push_back(terrain[v]);
+    }
+    std::vector<double>& heights = rim.empty() ? all : rim;
+    if (heights.empty()) continue;
+    const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
+    std::nth_element(heights.begin(), middle, heights.end());
+    for (const VertexIndex v : own) terrain[v] = *middle;
+  }
+}
+
+}  // namespace
+
 std::vector<double> terrain_under(const GroundMesh& mesh, const Raster& dtm) {
   std::vector<double> terrain(mesh.vertices.size());
   parallel_chunks(mesh.vertices.size(), 4096, [&](std::size_t begin, std::size_t end) {
     for (const VertexIndex v : indices<VertexIndex>(begin, end))
       terrain[v] = sample(dtm, mesh.vertices[v]);
   });
+  level_water(mesh, terrain);
   return terrain;
 }
 

@@ -30,7 +30,8 @@ std::vector<std::uint8_t> outside_vertices(const GroundMesh& mesh);
 double longest_wall_edge(const Raster& dtm, const RoofPlane& roof, Point2 a, Point2 b,
                          double minimum_wall, double layers = 0);
 
-/// The DTM at each vertex.
+/// The DTM at each vertex; but water is level: at all vertices of a region with the patch "water"
+/// it has the median of the DTM along its rim.
 std::vector<double> terrain_under(const GroundMesh& mesh, const Raster& dtm);
 
 /// The same plus `lift` (per vertex, metres), if that is not empty.

@@ -1,0 +1,56 @@
+// Water, roads and vegetation: areas of the ground whose edges become edges of the mesh.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "tetropolis/geometry/domain.h"
+#include "tetropolis/geometry/types.h"
+
+namespace tetropolis {
+
+/// Where areas overlap, the kind that comes first here has the ground.
+enum class SurfaceKind : std::uint8_t { kWater, kRoad, kVegetation };
+inline constexpr std::array<std::string_view, 3> kSurfaceKindNames = {"water", "road",
+                                                                      "vegetation"};
+
+struct SurfaceArea {
+  SurfaceKind kind = SurfaceKind::kWater;
+  Polygon area;  ///< Any polygon.
+};
+
+/// A straight piece of the line between two areas, of a building's outline or of a side of the
+/// domain, with what is left and right of it.
+struct SurfaceLine {
+  static constexpr std::int32_t kOpenGround = -1;
+  static constexpr std::int32_t kBeyond = -2;  ///< A building, or what is outside the domain.
+  Point2 from, to;
+  std::int32_t left = kOpenGround;  ///< Index in Surfaces::kinds, or one of these.
+  std::int32_t right = kOpenGround;
+};
+
+/// The ground divided into areas. Lines meet at their ends only; all outlines of buildings and all
+/// sides of the domain are there, unless there is no area.
+struct Surfaces {
+  std::vector<SurfaceKind> kinds;  ///< Of each area, which is connected.
+  std::vector<SurfaceLine> lines;
+  std::array<double, 3> area_given{};  ///< By kind, in the domain and outside buildings, m2,
+  std::array<double, 3> area_meshed{};  ///< and what is left of it.
+};
+
+/// Divides the ground by areas and simplifies their lines together, so that no end of one is nearer
+/// than `clearance` to another end, or to a line it does not belong to, buildings and sides
+/// included, and no two lines meet at less than 20 degrees: but for what outlines do among
+/// themselves, whose corners stay where they are. Areas smaller than ten squares of the clearance
+/// go to what is around them. Lines shared by two areas stay shared.
+///
+/// `areas`: local frame, metres; `footprints`: as a city's, clean and inside the domain, with
+/// clearance. Coordinates of lines at corners of footprints and of the domain are those, bit for
+/// bit. Throws Error(kInput) where the lines cannot be brought together.
+Surfaces divide_ground(std::span<const SurfaceArea> areas, std::span<const Polygon> footprints,
+                       const Domain& domain, double clearance);
+
+}  // namespace tetropolis

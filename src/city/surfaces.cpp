@@ -1,0 +1,272 @@
+#include "tetropolis/city/surfaces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "tetropolis/city/city_model.h"
+#include "tetropolis/core/error.h"
+#include "tetropolis/geometry/polygon.h"
+
+#include "city/roofs/clear_lines.h"
+#include "city/roofs/partition.h"
+#include "city/roofs/region_points.h"
+#include "geometry/geos.h"
+
+namespace tetropolis {
+
+namespace {
+
+using NodeId = Partition::NodeId;
+using EdgeId = Partition::EdgeId;
+using Steps = std::pair<std::int64_t, std::int64_t>;  // a place on the grid of coordinates
+
+// Regions of the partition, before connected areas get numbers of their own: open ground, and a
+// kind + 1. To the machinery of roofs a kind is a flat roof, so many metres high.
+constexpr double kStorey = 10;
+
+Steps steps(Point2 p) {
+  return {std::llround(p.x / kCoordinateStep), std::llround(p.y / kCoordinateStep)};
+}
+
+RegionRoof roof_of(Partition::Region kind) {
+  return {{{}, kStorey * kind, 0, 0}, 0, Lod::kBlock};
+}
+
+/// Polygons by the cells of a grid that their boxes meet.
+class PolygonGrid {
+ public:
+  PolygonGrid(std::vector<const Polygon*> polygons, const Bounds2& box)
+      : polygons_(std::move(polygons)), box_(box) {
+    for (std::size_t i = 0; i < polygons_.size(); ++i) {
+      const Bounds2 own = bounds(*polygons_[i]);
+      if (!own.intersects(box_)) continue;
+      for (std::size_t y = slot(own.ymin - box_.ymin, box_.height());
+           y <= slot(own.ymax - box_.ymin, box_.height()); ++y)
+        for (std::size_t x = slot(own.xmin - box_.xmin, box_.width());
+             x <= slot(own.xmax - box_.xmin, box_.width()); ++x)
+          cells_[y * kCells + x].push_back(i);
+    }
+  }
+
+  /// Calls visit(i) for the polygons that have p, ascending.
+  template <typename Visit>
+  void for_each_around(Point2 p, const Visit& visit) const {
+    const std::size_t y = slot(p.y - box_.ymin, box_.height());
+    for (const std::size_t i : cells_[y * kCells + slot(p.x - box_.xmin, box_.width())])
+      if (contains(*polygons_[i], p)) visit(i);
+  }
+
+ private:
+  static constexpr std::size_t kCells = 64;  // in either direction
+  static std::size_t slot(double distance, double size) {
+    const double share = size > 0 ? std::clamp(distance / size, 0.0, 1.0) : 0;
+    return std::min(static_cast<std::size_t>(share * kCells), kCells - 1);
+  }
+
+  std::vector<const Polygon*> polygons_;
+  Bounds2 box_;
+  std::vector<std::vector<std::size_t>> cells_{kCells * kCells};
+};
+
+/// Valid areas that meet the domain.
+std::vector<SurfaceArea> usable(std::span<const SurfaceArea> areas, const Bounds2& domain) {
+  std::vector<SurfaceArea> result;
+  for (const SurfaceArea& given : areas) {
+    if (!bounds(given.area).intersects(domain)) continue;
+    const geos::Result valid = geos::make_valid(given.area);
+    if (!valid) continue;
+    for (const Polygon& part : *valid) result.push_back({given.kind, part});
+  }
+  return result;
+}
+
+/// The lines of all areas, footprints and sides, as a partition.
+class Lines {
+ public:
+  Lines(const std::vector<SurfaceArea>& areas, std::span<const Polygon> footprints,
+        const Domain& domain, double clearance)
+      : partition_(domain.bounds(), clearance) {
+    const Polygon outline = domain.outline();
+    note_corners(outline);
+    std::vector<Polygon> all{outline};
+    std::vector<const Polygon*> of_areas, of_footprints;
+    for (const Polygon& footprint : footprints) {
+      note_corners(footprint);
+      all.push_back(footprint);
+      of_footprints.push_back(&footprint);
+    }
+    for (const SurfaceArea& area : areas) {
+      all.push_back(area.area);
+      of_areas.push_back(&area.area);
+    }
+    const geos::Result faces = geos::faces(all, kCoordinateStep);
+    if (!faces)
+      throw Error(ErrorKind::kInput, "surface_layers: the outlines cannot be brought together");
+    const PolygonGrid area_at(of_areas, domain.bounds()), footprint_at(of_footprints, domain.bounds());
+    std::map<std::pair<NodeId, NodeId>, Partition::Region> left;
+    for (const Polygon& face : *faces) {
+      const Point2 inside = interior_point(face);
+      bool is_building = !domain.encloses(inside);
+      footprint_at.for_each_around(inside, [&](std::size_t) { is_building = true; });
+      if (is_building) continue;
+      Partition::Region region = 0;
+      area_at.for_each_around(inside, [&](std::size_t i) {
+        const auto kind = static_cast<Partition::Region>(areas[i].kind) + 1;
+        region = region == 0 ? kind : std::min(region, kind);
+      });
+      if (region > 0) given_[static_cast<std::size_t>(region) - 1] += area(face);
+      for_each_edge(face, [&](Point2 p, Point2 q) {
+        left[{node(p), node(q)}] = region;
+      });
+    }
+    for (const auto& [side, region] : left) {
+      const auto other = left.find({side.second, side.first});
+      if (other == left.end()) {
+        partition_.put_on_outline(side.first);
+        partition_.put_on_outline(side.second);
+        partition_.add_edge(side.first, side.second, region, Partition::kOutside);
+      } else if (side.first < side.second && region != other->second) {
+        partition_.add_edge(side.first, side.second, region, other->second);
+      }
+    }
+    put_on_outlines();
+    partition_.tidy();
+  }
+
+  Partition& partition() { return partition_; }
+  const std::array<double, 3>& given() const { return given_; }
+
+ private:
+  void note_corners(const Polygon& polygon) {
+    for_each_edge(polygon, [&](Point2 p, Point2) { corners_.emplace(steps(p), p); });
+  }
+
+  NodeId node(Point2 p) {
+    const auto [place, is_new] = nodes_.try_emplace(steps(p), Partition::kNone);
+    if (is_new) {
+      const auto corner = corners_.find(steps(p));
+      const bool is_corner = corner != corners_.end();
+      place->second = partition_.add_node(is_corner ? corner->second : p, is_corner, is_corner);
+    }
+    return place->second;
+  }
+
+  /// What is on an outline lies between corners, on the straight line.
+  void put_on_outlines() {
+    std::map<NodeId, NodeId> next;  // along outlines
+    for (const Partition::Edge& edge : partition_.edges())
+      if (edge.alive && edge.is_outline())
+        next[edge.left == Partition::kOutside ? edge.b : edge.a] =
+            edge.left == Partition::kOutside ? edge.a : edge.b;
+    for (const auto& [corner, first] : next) {
+      if (!partition_.node(corner).corner) continue;
+      std::vector<NodeId> between;
+      NodeId n = first;
+      while (!partition_.node(n).corner && between.size() <= next.size()) {
+        between.push_back(n);
+        const auto after = next.find(n);
+        if (after == next.end()) break;
+        n = after->second;
+      }
+      for (const NodeId k : between)
+        partition_.put_back(k, nearest_on_segment(partition_.at(k), partition_.at(corner),
+                                                  partition_.at(n)));
+    }
+  }
+
+  Partition partition_;
+  std::map<Steps, Point2> corners_;
+  std::map<Steps, NodeId> nodes_;
+  std::array<double, 3> given_{};
+};
+
+/// Places on a grid within a few clearances of the lines inside: only there do areas change.
+std::vector<Point3> places_beside(const Partition& lines, double clearance) {
+  const double reach = 3 * clearance, step = clearance / 2;
+  std::set<Steps> places;
+  for (const Partition::Edge& edge : lines.edges()) {
+    if (!edge.alive || edge.is_outline()) continue;
+    const Point2 a = lines.at(edge.a), b = lines.at(edge.b);
+    const double length = std::hypot(b.x - a.x, b.y - a.y);
+    const double pieces = std::max(1.0, std::ceil(length / reach));
+    for (double k = 0; k < pieces; ++k) {
+      const auto at = [&](double t) {
+        return Point2{a.x + (b.x - a.x) * t / pieces, a.y + (b.y - a.y) * t / pieces};
+      };
+      const Point2 p = at(k), q = at(k + 1);
+      const auto row = [&](double x) { return static_cast<std::int64_t>(std::floor(x / step)); };
+      for (std::int64_t j = row(std::min(p.y, q.y) - reach); j <= row(std::max(p.y, q.y) + reach);
+           ++j)
+        for (std::int64_t i = row(std::min(p.x, q.x) - reach); i <= row(std::max(p.x, q.x) + reach);
+             ++i)
+          places.insert({i, j});
+    }
+  }
+  std::vector<Point3> result;
+  for (const auto& [i, j] : places)
+    result.push_back({(static_cast<double>(i) + 0.5) * step, (static_cast<double>(j) + 0.5) * step, 0});
+  return result;
+}
+
+}  // namespace
+
+Surfaces divide_ground(std::span<const SurfaceArea> areas, std::span<const Polygon> footprints,
+                       const Domain& domain, double clearance) {
+  constexpr double kForRounding = 5e-4;  // metres
+  constexpr double kLeastSquares = 10;
+  Surfaces result;
+  const std::vector<SurfaceArea> valid = usable(areas, domain.bounds());
+  if (valid.empty()) return result;
+  Lines lines(valid, footprints, domain, clearance);
+  Partition& partition = lines.partition();
+  result.area_given = lines.given();
+
+  // Points that show what is where.
+  std::vector<Point3> places = places_beside(partition, clearance);
+  std::vector<RoofRegion> region_of;
+  std::vector<Point3> points;
+  for (Point3 place : places) {
+    const Partition::Region region = partition.region_at({place[0], place[1]});
+    if (region == Partition::kOutside) continue;
+    place[2] = kStorey * region;
+    points.push_back(place);
+    region_of.push_back(region);
+  }
+  if (points.empty()) return result;
+  std::vector<RegionRoof> roofs;
+  for (Partition::Region kind = 0; kind <= 3; ++kind) roofs.push_back(roof_of(kind));
+  Bounds2 box = Bounds2::nothing();
+  for (const Point3& p : points) box.extend(Point2{p[0], p[1]});
+  const double share = clearance * clearance / 4;
+  RegionPoints regions(points, std::vector<double>(points.size(), share), region_of, roofs, box, 50,
+                       kStorey);
+  ClearLinesOptions options;
+  options.clearance = clearance + kForRounding;
+  options.min_area = kLeastSquares * clearance * clearance;
+  options.polish = false;
+  clear_lines(partition, regions, options);
+
+  std::map<Partition::Region, std::int32_t> number{{Partition::kOutside, SurfaceLine::kBeyond}};
+  for (const auto& [region, size] : partition.areas()) {
+    const auto kind =
+        static_cast<std::size_t>(std::llround(regions.roof(region).plane.elevation / kStorey));
+    number[region] = SurfaceLine::kOpenGround;
+    if (kind == 0) continue;
+    number[region] = static_cast<std::int32_t>(result.kinds.size());
+    result.kinds.push_back(static_cast<SurfaceKind>(kind - 1));
+    result.area_meshed[kind - 1] += size;
+  }
+  for (const Partition::Edge& edge : partition.edges()) {
+    if (!edge.alive) continue;
+    const std::int32_t left = number[edge.left], right = number[edge.right];
+    if (left != right)
+      result.lines.push_back({partition.at(edge.a), partition.at(edge.b), left, right});
+  }
+  return result;
+}
+
+}  // namespace tetropolis
