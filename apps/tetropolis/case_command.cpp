@@ -1,7 +1,11 @@
 #include "case_command.h"
 
 #include <array>
+#include <charconv>
+#include <cstddef>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -15,6 +19,18 @@ namespace tetropolis::app {
 namespace {
 
 constexpr std::array<std::string_view, 2> kSolvers = {"openfoam", "fenicsx"};
+
+/// "water=0.0002".
+void add_roughness(const std::string& word, OpenfoamCaseOptions& options) {
+  const std::size_t sign = word.find('=');
+  double value = 0;
+  const char* const end = word.data() + word.size();
+  if (sign == std::string::npos || sign == 0 ||
+      std::from_chars(word.data() + sign + 1, end, value).ptr != end || !(value > 0))
+    throw CLI::ValidationError("--patch-roughness",
+                               fmt::format("'{}' is not like water=0.0002", word));
+  options.patch_roughness[word.substr(0, sign)] = value;
+}
 
 void tell(const CaseArguments& arguments, const OpenfoamCase& made, Console& console) {
   const OpenfoamCaseOptions& options = arguments.options;
@@ -79,6 +95,15 @@ void add_case_options(CLI::App& command, CaseArguments& arguments) {
                    "Roughness length of the ground among the buildings [m] (default: that of the "
                    "land upwind)")
                ->type_name("NUMBER"));
+  openfoam(command
+               .add_option_function<std::vector<std::string>>(
+                   "--patch-roughness",
+                   [&](const std::vector<std::string>& words) {
+                     for (const std::string& word : words) add_roughness(word, options);
+                   },
+                   "Roughness length of a patch of the ground [m] (default water=0.0002, "
+                   "road=0.005, vegetation=0.1)")
+               ->type_name("PATCH=NUMBER"));
   openfoam(number("--building-roughness", options.building_roughness,
                   "Roughness length of roofs and walls [m], 0: smooth"));
   openfoam(number("--sample-height", options.sample_height,

@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <string>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/string.h>
 
 #include "tetropolis/case/fenicsx_case.h"
@@ -29,7 +31,8 @@ Wind wind_of(double speed, double from, double height, double roughness) {
 }
 
 nb::dict case_openfoam(const std::filesystem::path& folder, double speed, double from,
-                       double height, double roughness, double ground, double building,
+                       double height, double roughness, double ground,
+                       const std::map<std::string, double>& patches, double building,
                        double sample_height, double sample_spacing, int iterations,
                        const std::string& dialect, bool overwrite) {
   OpenfoamCaseOptions options;
@@ -41,6 +44,7 @@ nb::dict case_openfoam(const std::filesystem::path& folder, double speed, double
                 fmt::format("dialect: '{}' is not one of {}", dialect, fmt::join(names, ", ")));
   options.dialect = static_cast<FoamDialect>(found - names.begin());
   options.ground_roughness = ground;
+  for (const auto& [patch, value] : patches) options.patch_roughness[patch] = value;
   options.building_roughness = building;
   options.sample_height = sample_height;
   options.sample_spacing = sample_spacing;
@@ -78,9 +82,9 @@ void case_fenicsx(const std::filesystem::path& folder, double speed, double from
 void bind_case(nb::module_& module) {
   module.def("case_openfoam", case_openfoam, nb::arg("folder"), nb::arg("wind_speed"),
              nb::arg("wind_from"), nb::arg("wind_height"), nb::arg("roughness"),
-             nb::arg("ground_roughness"), nb::arg("building_roughness"), nb::arg("sample_height"),
-             nb::arg("sample_spacing"), nb::arg("iterations"), nb::arg("dialect"),
-             nb::arg("overwrite"));
+             nb::arg("ground_roughness"), nb::arg("patch_roughness"),
+             nb::arg("building_roughness"), nb::arg("sample_height"), nb::arg("sample_spacing"),
+             nb::arg("iterations"), nb::arg("dialect"), nb::arg("overwrite"));
   module.def("case_fenicsx", case_fenicsx, nb::arg("folder"), nb::arg("wind_speed"),
              nb::arg("wind_from"), nb::arg("overwrite"));
 }

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
@@ -10,8 +11,8 @@ from . import _core
 
 def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5, wind_from: float = 270,
                   wind_height: float = 10, roughness: float = 0.5, ground_roughness: float = 0,
-                  building_roughness: float = 0.01, sample_height: float = 1.75, sample_spacing: float = 2,
-                  iterations: int = 500, dialect: Literal["com", "org"] = "com", overwrite: bool = False) -> dict[str, Any]:
+                  patch_roughness: Mapping[str, float] | None = None, building_roughness: float = 0.01,
+                  sample_height: float = 1.75, sample_spacing: float = 2, iterations: int = 500, dialect: Literal["com", "org"] = "com", overwrite: bool = False) -> dict[str, Any]:
     """Makes a folder with a mesh for OpenFOAM a case of wind that its `Allrun` solves.
 
     Parameters
@@ -26,6 +27,8 @@ def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5, wind
         Roughness length of the land upwind, metres.
     ground_roughness : float
         That of the ground among the buildings; 0: as upwind.
+    patch_roughness : mapping, optional
+        That of patches of the ground by name, instead of water 0.0002, road 0.005 and vegetation 0.1.
     building_roughness : float
         That of roofs and walls; 0: smooth.
     sample_height, sample_spacing : float
@@ -52,7 +55,7 @@ def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5, wind
         No mesh, or files that cannot be written.
     """
     return _core.case_openfoam(Path(folder), wind_speed, wind_from, wind_height, roughness, ground_roughness,
-                               building_roughness, sample_height, sample_spacing, iterations, dialect, overwrite)
+                               dict(patch_roughness or {}), building_roughness, sample_height, sample_spacing, iterations, dialect, overwrite)
 
 
 def case_fenicsx(folder: str | os.PathLike[str], *, wind_speed: float = 5, wind_from: float = 270,

@@ -22,6 +22,7 @@ python3 smoke.py, or mpirun -n 8 python3 smoke.py; DOLFINx 0.5 to 0.10. Writes s
 import inspect
 import logging
 import pathlib
+import re
 
 logging.disable(logging.INFO)  # what compilers are called with
 
@@ -43,8 +44,11 @@ with io.XDMFFile(MPI.COMM_WORLD, str(HERE / "volume.xdmf"), "r") as file:
 mesh.topology.create_connectivity(2, 3)
 with io.XDMFFile(MPI.COMM_WORLD, str(HERE / "boundary.xdmf"), "r") as file:
     patches = file.read_meshtags(mesh, name="boundary")
-# All but ground, roofs, walls and top.
-SIDES = sorted(set().union(*mesh.comm.allgather(set(patches.values.tolist()))) - {1, 2, 3, 4})
+NAMES = {int(number): name for name, number in
+         re.findall(r'key="([^"]*)" dim="2">(\d+)<', (HERE / "boundary.xdmf").read_text())}
+LAND = ("ground", "roof", "wall", "top", "water", "road", "vegetation")
+SIDES = sorted(number for number in set().union(*mesh.comm.allgather(set(patches.values.tolist())))
+               if NAMES.get(number) not in LAND)
 
 space = (getattr(fem, "functionspace", None) or fem.FunctionSpace)(mesh, ("Lagrange", 1))
 trial, test = ufl.TrialFunction(space), ufl.TestFunction(space)

@@ -96,8 +96,8 @@ std::vector<double> heights_of_cells(const FoamMesh& mesh, const std::vector<dou
 }
 
 /// How high the cells on some faces are above them: farthest corner from the plane of the face.
-std::unordered_map<std::int32_t, double> heights_on(const FoamMesh& mesh,
-                                                    const std::vector<std::size_t>& faces) {
+std::unordered_map<std::int32_t, double> heights_on(
+    const FoamMesh& mesh, const std::vector<std::pair<const FoamPatch*, std::size_t>>& faces) {
   struct Plane {
     Point3 point{};
     Point3 area{};
@@ -105,7 +105,7 @@ std::unordered_map<std::int32_t, double> heights_on(const FoamMesh& mesh,
   };
   std::unordered_map<std::int32_t, Plane> planes;
   std::unordered_map<std::int32_t, double> heights;
-  for (const std::size_t f : faces) {
+  for (const auto& [patch, f] : faces) {
     const FaceGeometry face = face_geometry(mesh, f);
     if (const double size = length(face.area); size > 0)
       planes[mesh.owner[f]] = {face.centre, face.area, size};
@@ -304,8 +304,10 @@ class Fields {
         });
   }
 
-  /// Roughness of the ground at face f.
-  double roughness(std::size_t f) const {
+  /// Roughness of the ground at face f of a patch.
+  double roughness(const FoamPatch& patch, std::size_t f) const {
+    const auto own = options_.patch_roughness.find(patch.name);
+    if (own != options_.patch_roughness.end()) return own->second;
     if (options_.ground_roughness <= 0) return options_.wind.roughness;
     const Point3 at = face_geometry(mesh_, f).centre;
     const auto& [low, high] = town();
@@ -386,10 +388,10 @@ class Fields {
   }
 
   std::string ground_roughness_text(const FoamPatch& patch) const {
-    if (options_.ground_roughness <= 0)
-      return fmt::format("uniform {:.8g}", options_.wind.roughness);
+    if (options_.ground_roughness <= 0 || options_.patch_roughness.contains(patch.name))
+      return fmt::format("uniform {:.8g}", roughness(patch, patch.begin));
     return scalars(patch.end - patch.begin,
-                   [&](std::size_t i) { return roughness(patch.begin + i); });
+                   [&](std::size_t i) { return roughness(patch, patch.begin + i); });
   }
 
   const FoamMesh& mesh_;
@@ -514,24 +516,27 @@ void require_options(const OpenfoamCaseOptions& options) {
   };
   not_negative("ground-roughness", options.ground_roughness);
   not_negative("building-roughness", options.building_roughness);
+  for (const auto& [patch, value] : options.patch_roughness)
+    require_positive("patch-roughness", value);
   if (options.iterations < 1)
     throw Error(ErrorKind::kUsage, fmt::format("iterations: {} is below 1", options.iterations));
 }
 
 /// First cells on the ground, against the roughness there.
 void look_at_ground(const FoamMesh& mesh, const Fields& fields, OpenfoamCase& result) {
-  std::vector<std::size_t> faces;
+  std::vector<std::pair<const FoamPatch*, std::size_t>> faces;
   for (const CasePatch& p : fields.patches())
     if (p.kind == CasePatch::Kind::kGround)
-      for (std::size_t f = p.patch->begin; f < p.patch->end; ++f) faces.push_back(f);
+      for (std::size_t f = p.patch->begin; f < p.patch->end; ++f) faces.emplace_back(p.patch, f);
   const auto heights = heights_on(mesh, faces);
   std::vector<double> sorted;
-  for (const std::size_t f : faces) {
+  for (const auto& [patch, f] : faces) {
     const auto found = heights.find(mesh.owner[f]);
     if (found == heights.end()) continue;
     sorted.push_back(found->second);
     // A hair below is rounding.
-    if (found->second < kRoughnessLengths * fields.roughness(f) * (1 - 1e-6)) ++result.shallow;
+    const double least = kRoughnessLengths * fields.roughness(*patch, f);
+    if (found->second < least * (1 - 1e-6)) ++result.shallow;
   }
   result.ground_faces = static_cast<std::int64_t>(sorted.size());
   if (sorted.empty()) return;

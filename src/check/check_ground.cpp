@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "core/infinity.h"
 #include "core/parallel.h"
 #include "core/ragged_builder.h"
+#include "core/sort_once.h"
 #include "core/units.h"
 #include "ground/validate.h"
 #include "roof_planes.h"
@@ -75,7 +77,7 @@ class GroundChecker {
     std::vector<Point2> points(surface_.points.size());
     for (std::size_t v = 0; v < points.size(); ++v) points[v] = at(static_cast<std::int32_t>(v));
     for (const PatchKind kind : {PatchKind::kGround, PatchKind::kRoof}) {
-      std::vector<std::uint32_t> faces;
+      std::map<Patch, std::vector<std::uint32_t>> faces;  // edges of roads and waters are input, too
       std::vector<std::array<VertexIndex, 3>> triangles;
       for (std::size_t f = 0; f < surface_.triangles.size(); ++f) {
         const auto& t = surface_.triangles[f];
@@ -83,12 +85,14 @@ class GroundChecker {
           return std::isfinite(at(v).x) && std::isfinite(at(v).y);
         };
         if (surface_.patch_of(f).kind != kind || !std::all_of(t.begin(), t.end(), finite)) continue;
-        faces.push_back(static_cast<std::uint32_t>(f));
+        faces[surface_.patch[f]].push_back(static_cast<std::uint32_t>(f));
         triangles.push_back({VertexIndex(t[0]), VertexIndex(t[1]), VertexIndex(t[2])});
       }
       std::vector<std::array<VertexIndex, 2>> segments;
-      for (const auto& [v, w] : outline(faces))
-        segments.push_back({VertexIndex(v), VertexIndex(w)});
+      for (const auto& [patch, own] : faces)
+        for (const auto& [v, w] : outline(own))
+          segments.push_back({VertexIndex(std::min(v, w)), VertexIndex(std::max(v, w))});
+      sort_once(segments);
       for (const std::string& found :
            check_angles(points, triangles, segments, min_angle_deg - kPlanSlackDeg))
         note_violation(violations, "angles below the minimum where no input corner is sharper",

@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "core/disjoint_sets.h"
 #include "core/infinity.h"
 #include "core/units.h"
 #include "roof_planes.h"
@@ -54,26 +55,66 @@ struct Terrain {
   std::vector<double> highest;  ///< At the vertex and those it has an edge to.
 };
 
+/// At all vertices of a piece of water, the median of the terrain along its shore.
+void level_water(const SurfaceMesh& surface, std::vector<double>& terrain) {
+  const auto water = std::find_if(
+      surface.patches.begin(), surface.patches.end(), [](const PatchInfo& patch) {
+        return patch.kind == PatchKind::kGround && patch.name == "water";
+      });
+  if (water == surface.patches.end()) return;
+  DisjointSets<std::size_t> waters(surface.points.size());
+  std::vector<std::uint8_t> in_water(surface.points.size(), 0), on_shore(surface.points.size(), 0);
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+    const PatchKind kind = surface.patch_of(f).kind;
+    const bool is_water = surface.patch[f] == water->patch;
+    if (kind != PatchKind::kGround && kind != PatchKind::kWall) continue;
+    for (const std::int32_t corner : surface.triangles[f]) {
+      const auto v = static_cast<std::size_t>(corner);
+      (is_water ? in_water : on_shore)[v] = 1;
+      if (is_water) waters.join(v, static_cast<std::size_t>(surface.triangles[f][0]));
+    }
+  }
+  std::map<std::size_t, std::array<std::vector<double>, 2>> heights;  // off the shore, and on it
+  for (std::size_t v = 0; v < terrain.size(); ++v)
+    if (in_water[v] != 0 && !std::isnan(terrain[v]))
+      heights[waters.root(v)][on_shore[v]].push_back(terrain[v]);
+  for (auto& [root, of] : heights)
+    for (std::vector<double>& values : of) std::sort(values.begin(), values.end());
+  for (std::size_t v = 0; v < terrain.size(); ++v) {
+    if (in_water[v] == 0 || std::isnan(terrain[v])) continue;
+    const auto& of = heights[waters.root(v)];
+    const std::vector<double>& values = of[1].empty() ? of[0] : of[1];
+    terrain[v] = values[values.size() / 2];
+  }
+}
+
 Terrain terrain_of(const SurfaceMesh& surface, std::array<double, 3> shift, const Raster& dtm,
                    const CityModel& city, const std::vector<double>& layers) {
   Terrain terrain{std::vector<double>(surface.points.size(), std::nan("")),
                   std::vector<double>(surface.points.size(), -kInfinity)};
-  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
-    if (surface.patch_of(f).kind != PatchKind::kGround) continue;
-    double highest = -kInfinity;
-    for (const std::int32_t v : surface.triangles[f]) {
+  const auto for_each_ground_face = [&](const auto& visit) {
+    for (std::size_t f = 0; f < surface.triangles.size(); ++f)
+      if (surface.patch_of(f).kind == PatchKind::kGround) visit(surface.triangles[f]);
+  };
+  for_each_ground_face([&](const std::array<std::int32_t, 3>& face) {
+    for (const std::int32_t v : face) {
       double& height = terrain.at[static_cast<std::size_t>(v)];
       const auto& p = surface.points[static_cast<std::size_t>(v)];
       if (std::isnan(height) && is_finite(p))
-        height = height_of_terrain(dtm, city.origin, p[0] + shift[0], p[1] + shift[1]) +
-                 layers[static_cast<std::size_t>(v)];
-      highest = std::fmax(highest, height);
+        height = height_of_terrain(dtm, city.origin, p[0] + shift[0], p[1] + shift[1]);
     }
-    for (const std::int32_t v : surface.triangles[f]) {
+  });
+  level_water(surface, terrain.at);
+  for (std::size_t v = 0; v < terrain.at.size(); ++v) terrain.at[v] += layers[v];
+  for_each_ground_face([&](const std::array<std::int32_t, 3>& face) {
+    double highest = -kInfinity;
+    for (const std::int32_t v : face)
+      highest = std::fmax(highest, terrain.at[static_cast<std::size_t>(v)]);
+    for (const std::int32_t v : face) {
       double& around = terrain.highest[static_cast<std::size_t>(v)];
       around = std::max(around, highest);
     }
-  }
+  });
   return terrain;
 }
 

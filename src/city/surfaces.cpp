@@ -247,6 +247,7 @@ Surfaces divide_ground(std::span<const SurfaceArea> areas, std::span<const Polyg
   ClearLinesOptions options;
   options.clearance = clearance + kForRounding;
   options.min_area = kLeastSquares * clearance * clearance;
+  options.min_angle = 30;  // as much as meshes can be asked for
   options.polish = false;
   clear_lines(partition, regions, options);
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,6 +25,9 @@ struct OpenfoamCaseOptions {
   FoamDialect dialect = FoamDialect::kCom;
   double ground_roughness = 0;  ///< Of the ground among the buildings and one height of the highest
                                 ///< around them [m]; 0: that of the wind.
+  /// Of patches of the ground by their name [m], > 0; of others as said above.
+  std::map<std::string, double> patch_roughness = {
+      {"water", 0.0002}, {"road", 0.005}, {"vegetation", 0.1}};
   double building_roughness = 0.01;  ///< Of roofs and walls [m]; 0: smooth.
   double sample_height = 1.75;       ///< Where people feel the wind, above the ground [m].
   double sample_spacing = 2;         ///< Of the points there [m], or more: 400,000 points at most.

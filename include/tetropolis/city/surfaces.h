@@ -43,7 +43,7 @@ struct Surfaces {
 
 /// Divides the ground by areas and simplifies their lines together, so that no end of one is nearer
 /// than `clearance` to another end, or to a line it does not belong to, buildings and sides
-/// included, and no two lines meet at less than 20 degrees: but for what outlines do among
+/// included, and no two lines meet at less than 30 degrees: but for what outlines do among
 /// themselves, whose corners stay where they are. Areas smaller than ten squares of the clearance
 /// go to what is around them. Lines shared by two areas stay shared.
 ///

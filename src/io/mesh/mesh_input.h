@@ -1,6 +1,7 @@
 // What the readers of meshes share.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "tetropolis/city/surfaces.h"
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/volume/column/boundary.h"
 
@@ -29,7 +31,7 @@ std::optional<Point3> point_from_text(const std::string& text);
 using PatchNames = std::map<std::int32_t, std::string>;
 
 /// Sets the patch of each face. What no city has by itself is named by `names`, else "patch9" or
-/// the like, of no known kind. fail(what) is called for the first number that is none, and must
+/// the like, and of no known kind, but for those of surface layers: ground. fail(what) is called for the first number that is none, and must
 /// throw.
 template <typename Fail>
 void set_patches(const std::vector<std::int32_t>& numbers, const PatchNames& names,
@@ -42,8 +44,12 @@ void set_patches(const std::vector<std::int32_t>& numbers, const PatchNames& nam
     const auto patch = static_cast<Patch>(numbers[f]);
     if (!surface.patches.contains(patch)) {
       const auto name = names.find(numbers[f]);
-      surface.patches.add(
-          {patch, name == names.end() ? "patch" + number : name->second, PatchKind::kOther});
+      const bool is_named = name != names.end();
+      const bool is_surface =
+          is_named && std::find(kSurfaceKindNames.begin(), kSurfaceKindNames.end(), name->second) !=
+                          kSurfaceKindNames.end();
+      surface.patches.add({patch, is_named ? name->second : "patch" + number,
+                           is_surface ? PatchKind::kGround : PatchKind::kOther});
     }
     surface.patch.push_back(patch);
   }
