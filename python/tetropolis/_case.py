@@ -12,7 +12,8 @@ from . import _core
 def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5, wind_from: float = 270,
                   wind_height: float = 10, roughness: float = 0.5, ground_roughness: float = 0,
                   patch_roughness: Mapping[str, float] | None = None, building_roughness: float = 0.01,
-                  sample_height: float = 1.75, sample_spacing: float = 2, iterations: int = 500, dialect: Literal["com", "org"] = "com", overwrite: bool = False) -> dict[str, Any]:
+                  sample_height: float = 1.75, sample_spacing: float = 2, iterations: int = 500,
+                  dialect: Literal["com", "org"] = "com", overwrite: bool = False) -> dict[str, Any]:
     """Makes a folder with a mesh for OpenFOAM a case of wind that its `Allrun` solves.
 
     Parameters
@@ -55,7 +56,8 @@ def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5, wind
         No mesh, or files that cannot be written.
     """
     return _core.case_openfoam(Path(folder), wind_speed, wind_from, wind_height, roughness, ground_roughness,
-                               dict(patch_roughness or {}), building_roughness, sample_height, sample_spacing, iterations, dialect, overwrite)
+                               dict(patch_roughness or {}), building_roughness, sample_height, sample_spacing, iterations,
+                               dialect, overwrite)
 
 
 def case_fenicsx(folder: str | os.PathLike[str], *, wind_speed: float = 5, wind_from: float = 270,
