@@ -236,13 +236,11 @@ Surfaces divide_ground(std::span<const SurfaceArea> areas, std::span<const Polyg
     points.push_back(place);
     region_of.push_back(region);
   }
-  if (points.empty()) return result;
   std::vector<RegionRoof> roofs;
   for (Partition::Region kind = 0; kind <= 3; ++kind) roofs.push_back(roof_of(kind));
-  Bounds2 box = Bounds2::nothing();
-  for (const Point3& p : points) box.extend(Point2{p[0], p[1]});
   const double share = clearance * clearance / 4;
-  RegionPoints regions(points, std::vector<double>(points.size(), share), region_of, roofs, box, 50,
+  RegionPoints regions(points, std::vector<double>(points.size(), share), region_of, roofs,
+                       domain.bounds(), 50,
                        kStorey);
   ClearLinesOptions options;
   options.clearance = clearance + kForRounding;

@@ -1,6 +1,6 @@
 """Cases for solvers: the wind at their inlets against its formula, and whether solvers run them.
 
-case_test.py PROGRAM inlet|openfoam|fenicsx; exit 77 where the solver is not installed.
+case_test.py PROGRAM inlet|surfaces|openfoam|fenicsx; exit 77 where the solver is not installed.
 """
 
 import array
@@ -180,6 +180,60 @@ def check_openfoam(program, folder):
         said = run(case / "Allrun", env=environment)
         assert SPEED < float(re.search(r"fastest cell\s+(\S+)", said)[1]) < 2.5 * SPEED, said
     return 0
+
+
+def check_surfaces(program, folder):
+    """Water, a road and a park through the blocks: patches, level water, roughness; `check` finds nothing."""
+    west, south, size = 319000, 6396000, 300
+
+    def box(kind, x0, y0, x1, y1):
+        ring = [(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)]
+        return {"type": "Feature", "properties": {"kind": kind}, "geometry": {
+            "type": "Polygon", "coordinates": [[[west + x, south + y] for x, y in ring]]}}
+
+    def layer(name, *features):
+        (folder / name).write_text(json.dumps({"type": "FeatureCollection", "features": features, "crs": {
+            "type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::3006"}}}))
+        return folder / name
+
+    water = layer("water.geojson", box("", -50, 120, 400, 150))
+    others = layer("others.geojson", box("Road", 140, -20, 149, 400), box("vegetation", 180, 160, 300, 300),
+                   box("parking", 20, 20, 60, 60))
+    case = city(program, folder, "openfoam", "--surface-layers", f"{water}:water", "--surface-layers", f"{others}:kind")
+    report = json.loads((case / "report.json").read_text())
+    facts, faces = report["ground_mesh"], report["surface_mesh"]["faces_by_patch"]
+    assert {warning["code"]: warning["count"] for warning in report["warnings"]}["surface_unknown"] == 1, report["warnings"]
+    run(program, "check", case)
+    points, patches = mesh_of(case)
+
+    def area(name):
+        return sum(abs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) / 2 for a, b, c in patches[name])
+
+    for name, upper in ("water", 30 * size), ("road", 9 * size), ("vegetation", 120 * 140):
+        assert len(patches[name]) == faces[name] > 20, name
+        assert math.isclose(area(name), facts[f"{name}_area"], rel_tol=1e-6), name
+        assert 0.2 * upper < area(name) < 1.05 * upper, (name, area(name))
+    # Pieces of water are level; the terrain around is not.
+    root = {}
+
+    def find(p):
+        while root.setdefault(p, p) != p:
+            p = root[p]
+        return p
+
+    for face in patches["water"]:
+        for p in face[1:]:
+            root[find(p)] = find(face[0])
+    pieces = {}
+    for p in list(root):
+        pieces.setdefault(find(p), set()).add(p[2])
+    assert all(max(z) - min(z) < 1e-9 for z in pieces.values()), [max(z) - min(z) for z in pieces.values()]
+    ground = [p[2] for face in patches["ground"] for p in face]
+    assert max(ground) - min(ground) > 0.2
+    run(program, "case", "openfoam", case, *CASE, "--patch-roughness", "road=0.02")
+    nut = (case / "0/nut").read_text()
+    for name, roughness in ("water", 0.0002), ("road", 0.02), ("vegetation", 0.1), ("ground", ROUGHNESS):
+        assert re.search(rf"\n    {name} {{ type nutkAtmRoughWallFunction; z0 uniform {roughness};", nut), name
 
 
 def check_fenicsx(program, folder):
