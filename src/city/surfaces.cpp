@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -27,6 +29,7 @@ using Steps = std::pair<std::int64_t, std::int64_t>;  // a place on the grid of 
 // Regions of the partition, before connected areas get numbers of their own: open ground, and a
 // kind + 1. To the machinery of roofs a kind is a flat roof, so many metres high.
 constexpr double kStorey = 10;
+constexpr double kMostGivenUp = 30;  // squares of the clearance
 
 Steps steps(Point2 p) {
   return {std::llround(p.x / kCoordinateStep), std::llround(p.y / kCoordinateStep)};
@@ -184,31 +187,71 @@ class Lines {
   std::array<double, 3> given_{};
 };
 
-/// Places on a grid within a few clearances of the lines inside: only there do areas change.
-std::vector<Point3> places_beside(const Partition& lines, double clearance) {
+/// Places that show what is where, and the area that each stands for: closely within a few
+/// clearances of the lines inside, where areas change, and far apart elsewhere.
+struct Places {
+  std::vector<Point3> points;  ///< As of roofs.
+  std::vector<double> area;
+  std::vector<RoofRegion> region;
+};
+
+Places places_in(const Partition& lines, const Bounds2& box, double clearance) {
   const double reach = 3 * clearance, step = clearance / 2;
-  std::set<Steps> places;
+  constexpr std::int64_t kFar = 20;  // steps
+  std::set<Steps> near;
+  const auto row = [&](double x) { return static_cast<std::int64_t>(std::floor(x / step)); };
   for (const Partition::Edge& edge : lines.edges()) {
     if (!edge.alive || edge.is_outline()) continue;
     const Point2 a = lines.at(edge.a), b = lines.at(edge.b);
-    const double length = std::hypot(b.x - a.x, b.y - a.y);
-    const double pieces = std::max(1.0, std::ceil(length / reach));
+    const double pieces = std::max(1.0, std::ceil(std::hypot(b.x - a.x, b.y - a.y) / reach));
     for (double k = 0; k < pieces; ++k) {
       const auto at = [&](double t) {
         return Point2{a.x + (b.x - a.x) * t / pieces, a.y + (b.y - a.y) * t / pieces};
       };
       const Point2 p = at(k), q = at(k + 1);
-      const auto row = [&](double x) { return static_cast<std::int64_t>(std::floor(x / step)); };
       for (std::int64_t j = row(std::min(p.y, q.y) - reach); j <= row(std::max(p.y, q.y) + reach);
            ++j)
         for (std::int64_t i = row(std::min(p.x, q.x) - reach); i <= row(std::max(p.x, q.x) + reach);
              ++i)
-          places.insert({i, j});
+          near.insert({i, j});
     }
   }
-  std::vector<Point3> result;
-  for (const auto& [i, j] : places)
-    result.push_back({(static_cast<double>(i) + 0.5) * step, (static_cast<double>(j) + 0.5) * step, 0});
+  Places places;
+  const auto add = [&](std::int64_t i, std::int64_t j, double area) {
+    const Point2 p{(static_cast<double>(i) + 0.5) * step, (static_cast<double>(j) + 0.5) * step};
+    const Partition::Region region = lines.region_at(p);
+    if (region == Partition::kOutside) return;
+    places.points.push_back({p.x, p.y, kStorey * region});
+    places.area.push_back(area);
+    places.region.push_back(region);
+  };
+  for (const auto& [i, j] : near) add(i, j, step * step);
+  const double far_area = step * step * static_cast<double>(kFar * kFar);
+  for (std::int64_t j = row(box.ymin) / kFar * kFar; j <= row(box.ymax); j += kFar)
+    for (std::int64_t i = row(box.xmin) / kFar * kFar; i <= row(box.xmax); i += kFar)
+      if (!near.contains({i, j})) add(i, j, far_area);
+  return places;
+}
+
+/// The areas without a square around each place.
+std::vector<SurfaceArea> without(const std::vector<SurfaceArea>& areas,
+                                 const std::vector<Point2>& places, double width) {
+  std::vector<SurfaceArea> result;
+  for (const SurfaceArea& area : areas) {
+    std::vector<Polygon> squares;
+    const Bounds2 box = bounds(area.area);
+    for (const Point2 p : places) {
+      const Bounds2 square = Bounds2{p.x, p.y, p.x, p.y}.grown(width / 2);
+      if (square.intersects(box)) squares.push_back(rectangle(square));
+    }
+    if (squares.empty()) {
+      result.push_back(area);
+      continue;
+    }
+    const geos::Result rest = geos::subtract({&area.area, 1}, squares, kCoordinateStep);
+    if (!rest) continue;
+    for (const Polygon& part : *rest) result.push_back({area.kind, part});
+  }
   return result;
 }
 
@@ -218,36 +261,34 @@ Surfaces divide_ground(std::span<const SurfaceArea> areas, std::span<const Polyg
                        const Domain& domain, double clearance) {
   constexpr double kForRounding = 5e-4;  // metres
   constexpr double kLeastSquares = 10;
+  constexpr int kTries = 6;
   Surfaces result;
-  const std::vector<SurfaceArea> valid = usable(areas, domain.bounds());
-  if (valid.empty()) return result;
-  Lines lines(valid, footprints, domain, clearance);
-  Partition& partition = lines.partition();
-  result.area_given = lines.given();
-
-  // Points that show what is where.
-  std::vector<Point3> places = places_beside(partition, clearance);
-  std::vector<RoofRegion> region_of;
-  std::vector<Point3> points;
-  for (Point3 place : places) {
-    const Partition::Region region = partition.region_at({place[0], place[1]});
-    if (region == Partition::kOutside) continue;
-    place[2] = kStorey * region;
-    points.push_back(place);
-    region_of.push_back(region);
-  }
+  std::vector<SurfaceArea> left = usable(areas, domain.bounds());
+  if (left.empty()) return result;
   std::vector<RegionRoof> roofs;
   for (Partition::Region kind = 0; kind <= 3; ++kind) roofs.push_back(roof_of(kind));
-  const double share = clearance * clearance / 4;
-  RegionPoints regions(points, std::vector<double>(points.size(), share), region_of, roofs,
-                       domain.bounds(), 50,
-                       kStorey);
   ClearLinesOptions options;
   options.clearance = clearance + kForRounding;
   options.min_area = kLeastSquares * clearance * clearance;
   options.min_angle = 30;  // as much as meshes can be asked for
+  // Where only giving up a large area would help, a little of it goes, and more at each try.
+  options.most_cost = kMostGivenUp * clearance * clearance * kStorey;
   options.polish = false;
-  clear_lines(partition, regions, options);
+  std::optional<Lines> lines;
+  std::optional<Places> places;
+  std::optional<RegionPoints> points;
+  for (int k = 1;; ++k) {
+    if (k == kTries) options.most_cost = std::numeric_limits<double>::infinity();
+    lines.emplace(left, footprints, domain, clearance);
+    if (k == 1) result.area_given = lines->given();
+    places = places_in(lines->partition(), domain.bounds(), clearance);
+    points.emplace(places->points, places->area, places->region, roofs, domain.bounds(), 50, kStorey);
+    const std::vector<Point2> hard = clear_lines(lines->partition(), *points, options);
+    if (hard.empty()) break;
+    left = without(left, hard, (2 + 2 * k) * clearance);
+  }
+  const Partition& partition = lines->partition();
+  const RegionPoints& regions = *points;
 
   std::map<Partition::Region, std::int32_t> number{{Partition::kOutside, SurfaceLine::kBeyond}};
   for (const auto& [region, size] : partition.areas()) {

@@ -129,7 +129,9 @@ TEST_P(SurfacesOfTowns, KeepTheClearance) {
     ASSERT_NE(line.left, line.right);
     const bool is_outline = std::min(line.left, line.right) == SurfaceLine::kBeyond;
     const bool is_own = is_outline && is_corner(line.from) && is_corner(line.to);
-    if (!is_own) EXPECT_GE(std::hypot(line.to.x - line.from.x, line.to.y - line.from.y), kClearance);
+    if (!is_own) {
+      EXPECT_GE(std::hypot(line.to.x - line.from.x, line.to.y - line.from.y), kClearance);
+    }
     for (const auto& [x, y] : ends) {
       const Point2 p{x, y};
       if (p == line.from || p == line.to || (is_own && is_corner(p))) continue;

@@ -63,7 +63,7 @@ class Clearing {
         options_(options),
         min_angle_(options.min_angle * std::numbers::pi / 180) {}
 
-  void run() {
+  std::vector<Point2> run() {
     split();
     bool polished = false;
     for (int round = 0;; ++round) {
@@ -77,12 +77,14 @@ class Clearing {
         polish();
       }
       bool any = false;
+      too_costly_.clear();
       for (const Conflict& conflict : found)
         if (still_holds(conflict)) any = resolve(conflict) || any;
       if (!any && !found.empty() && only_removals_) break;  // the outline's own
       split();
       points_.fit();
     }
+    return std::move(too_costly_);
   }
 
  private:
@@ -485,8 +487,11 @@ class Clearing {
     ways_.erase(ways_.begin(), ways_.begin() + static_cast<std::ptrdiff_t>(tried));
     for (const auto& [a, b] : merges_) offer_merge(a, b);
     std::stable_sort(ways_.begin(), ways_.end(), by_cost);
-    for (const Way& way : ways_)
+    for (const Way& way : ways_) {
+      is_too_costly_ = way.cost > options_.most_cost;
+      if (is_too_costly_) return false;
       if (way.go()) return true;
+    }
     return false;
   }
 
@@ -527,7 +532,11 @@ class Clearing {
     for (const NodeId n : {edge.a, edge.b})
       if (edge.is_outline() && !lines_.node(n).corner) nodes.push_back(n);
     offer_merges(nodes, conflict.edge);
-    return go_cheapest();
+    is_too_costly_ = false;
+    const Point2 at = lines_.at(conflict.node == kNone ? edge.a : conflict.node);
+    const bool went = go_cheapest();
+    if (!went && is_too_costly_) too_costly_.push_back(at);
+    return went;
   }
 
   /// Moves single nodes to where their lines fit better.
@@ -590,6 +599,8 @@ class Clearing {
   const ClearLinesOptions& options_;
   double min_angle_;
   bool only_removals_ = false;
+  bool is_too_costly_ = false;
+  std::vector<Point2> too_costly_;
   std::vector<Way> ways_;
   std::vector<std::pair<Region, Region>> merges_;
   std::vector<Region> split_off_;
@@ -597,8 +608,9 @@ class Clearing {
 
 }  // namespace
 
-void clear_lines(Partition& lines, RegionPoints& points, const ClearLinesOptions& options) {
-  Clearing(lines, points, options).run();
+std::vector<Point2> clear_lines(Partition& lines, RegionPoints& points,
+                                const ClearLinesOptions& options) {
+  return Clearing(lines, points, options).run();
 }
 
 }  // namespace tetropolis

@@ -150,6 +150,8 @@ RegionRoof RegionPoints::fitted(const std::vector<RegionRoof>& candidates,
 RegionRoof RegionPoints::merged_roof(RoofRegion a, RoofRegion b,
                                      const std::vector<std::uint32_t>& points) const {
   if (roof(a).lod < roof(b).lod) std::swap(a, b);
+  if (roof(a).lod == Lod::kBlock && cost_of_exchange(b, a) < cost_of_exchange(a, b))
+    return roof(b);
   return fitted({roof(a), roof(b)}, points);
 }
 
@@ -157,11 +159,16 @@ double RegionPoints::cost_of_region(RoofRegion r) const {
   return cost(roof(r).plane, points_of(r));
 }
 
+double RegionPoints::cost_of_exchange(RoofRegion keep, RoofRegion gone) const {
+  double sum = 0;
+  for (const std::uint32_t p : lists_[index(gone)])
+    if (region_of_[p] == gone) sum += cost(roof(keep).plane, p) - cost(roof(gone).plane, p);
+  return sum;
+}
+
 double RegionPoints::cost_of_merging(RoofRegion a, RoofRegion b) const {
-  if (roof(a).lod == Lod::kBlock && roof(b).lod == Lod::kBlock) {  // the first one's stays
-    const std::vector<std::uint32_t> second = points_of(b);
-    return cost(roof(a).plane, second) - cost(roof(b).plane, second);
-  }
+  if (roof(a).lod == Lod::kBlock && roof(b).lod == Lod::kBlock)
+    return std::min(cost_of_exchange(a, b), cost_of_exchange(b, a));
   std::vector<std::uint32_t> both = points_of(a);
   const std::vector<std::uint32_t> second = points_of(b);
   const double before = cost(roof(a).plane, both) + cost(roof(b).plane, second);

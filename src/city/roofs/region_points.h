@@ -60,6 +60,9 @@ class RegionPoints {
   /// The best roof for points, of those given and such as can be fitted.
   RegionRoof fitted(const std::vector<RegionRoof>& candidates,
                     const std::vector<std::uint32_t>& points) const;
+  /// Of the roof of `keep` for the points of `gone`, instead of its own.
+  double cost_of_exchange(RoofRegion keep, RoofRegion gone) const;
+  /// Blocks keep the height of the one that the points of both fit better.
   RegionRoof merged_roof(RoofRegion a, RoofRegion b,
                          const std::vector<std::uint32_t>& points) const;
 
