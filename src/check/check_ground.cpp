@@ -77,7 +77,8 @@ class GroundChecker {
     std::vector<Point2> points(surface_.points.size());
     for (std::size_t v = 0; v < points.size(); ++v) points[v] = at(static_cast<std::int32_t>(v));
     for (const PatchKind kind : {PatchKind::kGround, PatchKind::kRoof}) {
-      std::map<Patch, std::vector<std::uint32_t>> faces;  // edges of roads and waters are input, too
+      std::map<Patch, std::vector<std::uint32_t>>
+          faces;  // edges of roads and waters are input, too
       std::vector<std::array<VertexIndex, 3>> triangles;
       for (std::size_t f = 0; f < surface_.triangles.size(); ++f) {
         const auto& t = surface_.triangles[f];

@@ -57,8 +57,8 @@ struct Terrain {
 
 /// At all vertices of a piece of water, the median of the terrain along its shore.
 void level_water(const SurfaceMesh& surface, std::vector<double>& terrain) {
-  const auto water = std::find_if(
-      surface.patches.begin(), surface.patches.end(), [](const PatchInfo& patch) {
+  const auto water =
+      std::find_if(surface.patches.begin(), surface.patches.end(), [](const PatchInfo& patch) {
         return patch.kind == PatchKind::kGround && patch.name == "water";
       });
   if (water == surface.patches.end()) return;

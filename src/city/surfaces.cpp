@@ -35,9 +35,7 @@ Steps steps(Point2 p) {
   return {std::llround(p.x / kCoordinateStep), std::llround(p.y / kCoordinateStep)};
 }
 
-RegionRoof roof_of(Partition::Region kind) {
-  return {{{}, kStorey * kind, 0, 0}, 0, Lod::kBlock};
-}
+RegionRoof roof_of(Partition::Region kind) { return {{{}, kStorey * kind, 0, 0}, 0, Lod::kBlock}; }
 
 /// Polygons by the cells of a grid that their boxes meet.
 class PolygonGrid {
@@ -109,7 +107,8 @@ class Lines {
     const geos::Result faces = geos::faces(all, kCoordinateStep);
     if (!faces)
       throw Error(ErrorKind::kInput, "surface_layers: the outlines cannot be brought together");
-    const PolygonGrid area_at(of_areas, domain.bounds()), footprint_at(of_footprints, domain.bounds());
+    const PolygonGrid area_at(of_areas, domain.bounds()),
+        footprint_at(of_footprints, domain.bounds());
     std::map<std::pair<NodeId, NodeId>, Partition::Region> left;
     for (const Polygon& face : *faces) {
       const Point2 inside = interior_point(face);
@@ -122,9 +121,7 @@ class Lines {
         region = region == 0 ? kind : std::min(region, kind);
       });
       if (region > 0) given_[static_cast<std::size_t>(region) - 1] += area(face);
-      for_each_edge(face, [&](Point2 p, Point2 q) {
-        left[{node(p), node(q)}] = region;
-      });
+      for_each_edge(face, [&](Point2 p, Point2 q) { left[{node(p), node(q)}] = region; });
     }
     for (const auto& [side, region] : left) {
       const auto other = left.find({side.second, side.first});
@@ -176,8 +173,8 @@ class Lines {
         n = after->second;
       }
       for (const NodeId k : between)
-        partition_.put_back(k, nearest_on_segment(partition_.at(k), partition_.at(corner),
-                                                  partition_.at(n)));
+        partition_.put_back(
+            k, nearest_on_segment(partition_.at(k), partition_.at(corner), partition_.at(n)));
     }
   }
 
@@ -282,7 +279,8 @@ Surfaces divide_ground(std::span<const SurfaceArea> areas, std::span<const Polyg
     lines.emplace(left, footprints, domain, clearance);
     if (k == 1) result.area_given = lines->given();
     places = places_in(lines->partition(), domain.bounds(), clearance);
-    points.emplace(places->points, places->area, places->region, roofs, domain.bounds(), 50, kStorey);
+    points.emplace(places->points, places->area, places->region, roofs, domain.bounds(), 50,
+                   kStorey);
     const std::vector<Point2> hard = clear_lines(lines->partition(), *points, options);
     if (hard.empty()) break;
     left = without(left, hard, (2 + 2 * k) * clearance);

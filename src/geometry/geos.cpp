@@ -210,9 +210,9 @@ Result faces(std::span<const Polygon> polygons, double grid) {
     add(polygon.outer);
     for (const Ring& hole : polygon.holes) add(hole);
   }
-  const Geometry lines(context, GEOSGeom_createCollection_r(context.get(), GEOS_MULTILINESTRING,
-                                                            rings.data(),
-                                                            static_cast<unsigned>(rings.size())));
+  const Geometry lines(
+      context, GEOSGeom_createCollection_r(context.get(), GEOS_MULTILINESTRING, rings.data(),
+                                           static_cast<unsigned>(rings.size())));
   if (lines.get() == nullptr) return std::nullopt;
   const Geometry noded(context, GEOSUnaryUnionPrec_r(context.get(), lines.get(), grid));
   if (noded.get() == nullptr) return std::nullopt;

@@ -406,8 +406,8 @@ GroundMesh mesh_ground_parts(std::span<const PartOutline> parts, const Domain& d
   if (options.surfaces != nullptr) {
     floors = patches_of(*options.surfaces, domain);
     for (const SurfaceKind kind : options.surfaces->kinds)
-      regions.push_back({RegionKind::kOpenGround, kNoBuilding, 0,
-                         floors[static_cast<std::size_t>(kind)].patch});
+      regions.push_back(
+          {RegionKind::kOpenGround, kNoBuilding, 0, floors[static_cast<std::size_t>(kind)].patch});
   }
   for (const Region& region : regions)
     refinement.off_terrain.push_back(region.is_building() ? 1 : 0);

@@ -76,16 +76,17 @@ std::vector<SurfaceArea> read_surfaces(const Config& config, const std::string& 
       }
     }
     if (surfaces.size() == before)
-      throw Error(ErrorKind::kInput,
-                  fmt::format("{}: has no polygon of water, road or vegetation{}; leave it out of "
-                              "surface_layers",
-                              entry.file,
-                              entry.kind ? "" : fmt::format(" by its attribute {}", entry.attribute)));
+      throw Error(
+          ErrorKind::kInput,
+          fmt::format("{}: has no polygon of water, road or vegetation{}; leave it out of "
+                      "surface_layers",
+                      entry.file,
+                      entry.kind ? "" : fmt::format(" by its attribute {}", entry.attribute)));
     if (!input.dropped.empty())
-      warnings.push_back({"surface_unusable", static_cast<std::int64_t>(input.dropped.size()),
-                          fmt::format("features of {} are left out, the first, {}: {}", entry.file,
-                                      input.dropped.front().source_id,
-                                      input.dropped.front().reason)});
+      warnings.push_back(
+          {"surface_unusable", static_cast<std::int64_t>(input.dropped.size()),
+           fmt::format("features of {} are left out, the first, {}: {}", entry.file,
+                       input.dropped.front().source_id, input.dropped.front().reason)});
     if (unknown_count > 0)
       warnings.push_back({"surface_unknown", unknown_count,
                           fmt::format("polygons of {} are left out: {} is '{}' or the like, not "

@@ -79,8 +79,8 @@ std::int32_t area_at(const Surfaces& surfaces, Point2 p) {
   std::int32_t found = SurfaceLine::kBeyond;
   for (const SurfaceLine& line : surfaces.lines) {
     if ((line.from.y > p.y) == (line.to.y > p.y)) continue;
-    const double x = line.from.x + (line.to.x - line.from.x) * (p.y - line.from.y) /
-                                       (line.to.y - line.from.y);
+    const double x =
+        line.from.x + (line.to.x - line.from.x) * (p.y - line.from.y) / (line.to.y - line.from.y);
     if (x < p.x || x >= nearest) continue;
     nearest = x;
     found = line.from.y < line.to.y ? line.left : line.right;
@@ -95,8 +95,8 @@ int kind_given(const Town& town, Point2 p) {
   int kind = kOpen;
   for (const SurfaceArea& area : town.areas)
     if (contains(area.area, p))
-      kind = kind == kOpen ? static_cast<int>(area.kind)
-                           : std::min(kind, static_cast<int>(area.kind));
+      kind =
+          kind == kOpen ? static_cast<int>(area.kind) : std::min(kind, static_cast<int>(area.kind));
   return kind;
 }
 
@@ -138,8 +138,8 @@ TEST_P(SurfacesOfTowns, KeepTheClearance) {
       const double d = distance_to_segment(p, line.from, line.to);
       if (d >= kClearance) continue;
       // Near to an end that it has a line to: that is an angle, not a gap.
-      const bool is_joined = std::any_of(
-          surfaces.lines.begin(), surfaces.lines.end(), [&](const SurfaceLine& other) {
+      const bool is_joined =
+          std::any_of(surfaces.lines.begin(), surfaces.lines.end(), [&](const SurfaceLine& other) {
             const auto joins = [&](Point2 q) {
               return (other.from == p && other.to == q) || (other.to == p && other.from == q);
             };
@@ -183,8 +183,9 @@ TEST_P(SurfacesOfTowns, AreRegionsOfTheGroundMesh) {
     EXPECT_EQ(region.is_building(), area == SurfaceLine::kBeyond);
     if (area == SurfaceLine::kBeyond) continue;
     EXPECT_EQ(mesh.region[t].value(), static_cast<int>(given.footprints.size()) + 1 + area);
-    EXPECT_EQ(mesh.patches.of(region.floor).name,
-              area < 0 ? "ground" : kSurfaceKindNames[static_cast<std::size_t>(kind_of(surfaces, area))]);
+    EXPECT_EQ(
+        mesh.patches.of(region.floor).name,
+        area < 0 ? "ground" : kSurfaceKindNames[static_cast<std::size_t>(kind_of(surfaces, area))]);
     total += signed_area(p);
   }
   double built = 0;

@@ -37,7 +37,7 @@ struct SurfaceLine {
 struct Surfaces {
   std::vector<SurfaceKind> kinds;  ///< Of each area, which is connected.
   std::vector<SurfaceLine> lines;
-  std::array<double, 3> area_given{};  ///< By kind, in the domain and outside buildings, m2,
+  std::array<double, 3> area_given{};   ///< By kind, in the domain and outside buildings, m2,
   std::array<double, 3> area_meshed{};  ///< and what is left of it.
 };
 

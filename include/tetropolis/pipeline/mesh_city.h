@@ -37,7 +37,7 @@ struct MeshCityOptions {
   SizeGrading grading = {};  ///< How edges grow away from buildings. Regions: CRS coordinates.
   std::vector<SurfaceArea> surfaces = {};  ///< Water, roads, vegetation. CRS coordinates.
   double surface_clearance = 1;  ///< Of their edges, from each other and buildings; metres, > 0.
-  double target_cells = 0;   ///< Scales all sizes until the mesh has about so many; 0: it does not.
+  double target_cells = 0;  ///< Scales all sizes until the mesh has about so many; 0: it does not.
   double min_angle_deg = 25;   ///< Of the ground mesh; 0 to 33.
   double domain_height = 100;  ///< Of the top above the highest terrain, metres, > 0.
   bool own_top = false;        ///< Rather the top that the city has, if it has one.

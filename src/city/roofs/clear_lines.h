@@ -16,8 +16,8 @@ struct ClearLinesOptions {
   double min_area = 2;    ///< Square metres: smaller regions go to a neighbour.
   double min_angle = 20;  ///< Degrees, between lines that meet.
   double most_cost = std::numeric_limits<double>::infinity();  ///< Nothing that costs more is done.
-  bool polish = true;     ///< Move nodes to where lines fit better, in the end. Not party walls:
-                          ///< what stands beside them is no reason to move them.
+  bool polish = true;  ///< Move nodes to where lines fit better, in the end. Not party walls:
+                       ///< what stands beside them is no reason to move them.
 };
 
 /// Moves, joins and removes lines where they come too close, each time in the way that costs least

@@ -150,8 +150,7 @@ RegionRoof RegionPoints::fitted(const std::vector<RegionRoof>& candidates,
 RegionRoof RegionPoints::merged_roof(RoofRegion a, RoofRegion b,
                                      const std::vector<std::uint32_t>& points) const {
   if (roof(a).lod < roof(b).lod) std::swap(a, b);
-  if (roof(a).lod == Lod::kBlock && cost_of_exchange(b, a) < cost_of_exchange(a, b))
-    return roof(b);
+  if (roof(a).lod == Lod::kBlock && cost_of_exchange(b, a) < cost_of_exchange(a, b)) return roof(b);
   return fitted({roof(a), roof(b)}, points);
 }
 

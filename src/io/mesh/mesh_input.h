@@ -31,8 +31,8 @@ std::optional<Point3> point_from_text(const std::string& text);
 using PatchNames = std::map<std::int32_t, std::string>;
 
 /// Sets the patch of each face. What no city has by itself is named by `names`, else "patch9" or
-/// the like, and of no known kind, but for those of surface layers: ground. fail(what) is called for the first number that is none, and must
-/// throw.
+/// the like, and of no known kind, but for those of surface layers: ground. fail(what) is called
+/// for the first number that is none, and must throw.
 template <typename Fail>
 void set_patches(const std::vector<std::int32_t>& numbers, const PatchNames& names,
                  SurfaceMesh& surface, const Fail& fail) {
