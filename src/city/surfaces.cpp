@@ -300,9 +300,9 @@ Surfaces divide_ground(std::span<const SurfaceArea> areas, std::span<const Polyg
   }
   for (const Partition::Edge& edge : partition.edges()) {
     if (!edge.alive) continue;
-    const std::int32_t left = number[edge.left], right = number[edge.right];
-    if (left != right)
-      result.lines.push_back({partition.at(edge.a), partition.at(edge.b), left, right});
+    const std::int32_t to_left = number[edge.left], to_right = number[edge.right];
+    if (to_left != to_right)
+      result.lines.push_back({partition.at(edge.a), partition.at(edge.b), to_left, to_right});
   }
   return result;
 }
