@@ -14,6 +14,7 @@
 #include "tetropolis/ground/mesh_ground.h"
 #include "tetropolis/volume/column/boundary.h"
 
+#include "city/roofs/divide_ground.h"
 #include "city_parts.h"
 #include "core/sort_once.h"
 #include "core/units.h"
@@ -358,10 +359,10 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
     for (const BuildingIndex b : city.buildings.indices())
       if (!city.buildings[b].parts.empty()) blocks.push_back(b);
     if (!blocks.empty())
-      result.warnings.push_back(
-          {"parts_left_out", static_cast<std::int64_t>(blocks.size()),
-           "buildings have parts, but are meshed as blocks: layering = \"graded\" and a flat top "
-           "keep the parts, lod = \"block\" makes none"});
+      result.warnings.push_back({"parts_left_out", static_cast<std::int64_t>(blocks.size()),
+                                 "buildings have parts, but are meshed as blocks: cells = "
+                                 "\"tets\", layering = \"graded\" and a flat top "
+                                 "keep the parts, lod = \"block\" makes none"});
   }
   terrain.x0 = in_crs(terrain.x0, origin.x);
   terrain.y0 = in_crs(terrain.y0, origin.y);

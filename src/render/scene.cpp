@@ -95,7 +95,7 @@ class Colours {
 
   Rgb of(std::size_t f, PatchKind kind) const {
     const Palette palette;
-    if (kind == PatchKind::kGround) return palette.ground;
+    if (kind == PatchKind::kGround) return of_ground(surface_.patch_of(f).name, palette);
     const BuildingIndex building = surface_.building[f];
     const bool by_class = colour_ == PictureColour::kClass || colour_ == PictureColour::kQuality;
     if (by_class || !building.valid())
@@ -106,6 +106,13 @@ class Colours {
   }
 
  private:
+  /// By the names of surface layers' patches.
+  static Rgb of_ground(const std::string& name, const Palette& palette) {
+    if (name == "water") return palette.water;
+    if (name == "road") return palette.road;
+    return name == "vegetation" ? palette.vegetation : palette.ground;
+  }
+
   const SurfaceMesh& surface_;
   PictureColour colour_;
   std::map<BuildingIndex, double> heights_;

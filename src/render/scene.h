@@ -55,6 +55,9 @@ Rgb ramp(double value);
 /// Colours of classes.
 struct Palette {
   Rgb ground = linear(0xB6BBA0);
+  Rgb water = linear(0x7FA3BF);
+  Rgb road = linear(0xA3A09B);
+  Rgb vegetation = linear(0x93AC7C);
   Rgb roof = linear(0xC27A63);
   Rgb wall = linear(0xF4EADA);
   Rgb earth = linear(0x8F7B69);

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "tetropolis/city/surfaces.h"
 #include "tetropolis/core/warning.h"
+#include "tetropolis/ground/surfaces.h"
 #include "tetropolis/run/config.h"
 
 namespace tetropolis {

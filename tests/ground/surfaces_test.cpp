@@ -1,5 +1,5 @@
 // Water, roads and vegetation as lines of the ground mesh, against brute force.
-#include "tetropolis/city/surfaces.h"
+#include "tetropolis/ground/surfaces.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +14,7 @@
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/ground/mesh_ground.h"
 
+#include "city/roofs/divide_ground.h"
 #include "support/test_data.h"
 
 namespace tetropolis {

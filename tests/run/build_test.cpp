@@ -717,7 +717,7 @@ TEST_F(Build, AbsurdSizesAreRefusedBeforeTheWork) {
   config = good;
   config.max_memory = "eight";
   EXPECT_EQ(refused("`max_memory`: 'eight' is not a size"), "");
-  config.max_memory = "66M";
+  config.max_memory = "81M";
   EXPECT_EQ(refused("points fit: give smaller `bounds`"), "1.2");
   config = good;
   config.dtm_step = 0.01;  // some 600 million nodes

@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "tetropolis/city/surfaces.h"
 #include "tetropolis/core/progress.h"
 #include "tetropolis/geometry/domain.h"
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/ground/ground_mesh.h"
+#include "tetropolis/ground/surfaces.h"
 
 namespace tetropolis {
 

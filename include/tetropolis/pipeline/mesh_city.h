@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "tetropolis/city/city_model.h"
-#include "tetropolis/city/surfaces.h"
 #include "tetropolis/core/steps.h"
 #include "tetropolis/core/warning.h"
 #include "tetropolis/ground/mesh_ground.h"
+#include "tetropolis/ground/surfaces.h"
 #include "tetropolis/io/file/placement.h"
 #include "tetropolis/terrain/raster.h"
 #include "tetropolis/volume/column/boundary.h"

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "tetropolis/city/surfaces.h"
 #include "tetropolis/geometry/types.h"
+#include "tetropolis/ground/surfaces.h"
 #include "tetropolis/volume/column/boundary.h"
 
 namespace tetropolis {

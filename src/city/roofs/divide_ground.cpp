@@ -1,4 +1,4 @@
-#include "tetropolis/city/surfaces.h"
+#include "city/roofs/divide_ground.h"
 
 #include <algorithm>
 #include <cmath>
