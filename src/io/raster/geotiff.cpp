@@ -14,7 +14,6 @@
 #include <fmt/format.h>
 
 #include "tetropolis/city/city_model.h"
-#include "tetropolis/core/threads.h"
 #include "tetropolis/io/crs/crs.h"
 
 #include "core/foreign_code.h"
@@ -148,9 +147,10 @@ void write_raster(const fs::path& path, const Raster& raster, Point2 origin, con
   options.SetNameValue("COMPRESS", "DEFLATE")
       .SetNameValue("PREDICTOR", "3")
       .SetNameValue("ZLEVEL", "1");
+  // GDAL 3.6 waits for ever for threads that found no memory, so there is one.
   options.SetNameValue("BIGTIFF", "IF_SAFER")
       .SetNameValue("GEOTIFF_VERSION", "1.1")
-      .SetNameValue("NUM_THREADS", std::to_string(thread_count()).c_str());
+      .SetNameValue("NUM_THREADS", "1");
   gdal::Dataset dataset(GDALCreate(GDALGetDriverByName("GTiff"), memory.path("a.tif").c_str(),
                                    raster.nx, raster.ny, 1, GDT_Float64, options.List()));
   if (dataset == nullptr) throw_cannot_write(path, errors.last());
