@@ -1,10 +1,12 @@
 // Thin layers of prisms between open ground and the tets above it.
 //
-//        d'------f'      A prism (wedge) over a triangle of the ground mesh: the same triangle at
-//        two | \e'/ |        heights, and three upright quadrilaterals between. It is not split
-//        into |  |   |        tets, which would be flat. On top of the uppermost ones begin the
-//        columns: d--|---f        the tet mesher takes their top for the ground.
-//         \ e  /
+//   d ------- f
+//   | \     / |    A prism (wedge): a triangle of the ground mesh at two heights, and three upright
+//   |   \ /   |    quadrilaterals. It is not split into tets, which would be flat.
+//   |    e    |
+//   a - -|- - c    On the uppermost one columns begin: the tet mesher takes the top of the layers
+//     \  |  /      for the ground.
+//        b
 #pragma once
 
 #include <cstdint>
