@@ -168,7 +168,7 @@ Columns smooth_columns(const MeshCityOptions& options, const CityParts& parts, c
     return smooth_to_roofs(layered, plan.lowest_roof, plan.roofs.flat, smooth, progress);
   });
   keep_solver("3.5", to_roofs, result);
-  if (options.layering == Layering::kUniform || options.cells == Cells::kPrisms)
+  if (options.layering == Layering::kUniform)
     return {std::move(plan), columns_of_layers(std::move(layered))};
   for (const VertexIndex v : layered.ground.vertices.indices())
     plan.top[v] = layered.column(v)[layered.layers];

@@ -139,7 +139,7 @@ RenderInput read_folder(const fs::path& folder, View view) {
     RenderInput input = read_one(surface);
     if (view == View::kSection && !volume.empty()) {
       if (volume.extension() == ".vtu")
-        input.volume = read_vtu(volume);
+        input.volume = split_prisms(read_vtu(volume));
       else
         input.volume = read_one(volume).volume;
     }

@@ -12,7 +12,6 @@
 
 #include "core/infinity.h"
 #include "draw.h"
-#include "split_prisms.h"
 
 namespace tetropolis {
 
@@ -337,10 +336,7 @@ Canvas paint_section(const RenderInput& input, const SectionWindow& window, Pict
   flat.edge_strength = 1;
   if (input.volume) {
     const float air = colour == PictureColour::kQuality ? 0.9F : 0.66F;
-    const bool has_prisms = !input.volume->wedges.empty();
-    const TetMesh split = has_prisms ? split_prisms(*input.volume) : TetMesh{};
-    const TetMesh& volume = has_prisms ? split : *input.volume;
-    lay_over(canvas, painted(cells_scene(volume, plane, colour), flat), air);
+    lay_over(canvas, painted(cells_scene(*input.volume, plane, colour), flat), air);
   }
   const std::vector<CutFace> faces = cut_faces(input.surface, plane);
   const double below = window.bottom - (window.top - window.bottom);

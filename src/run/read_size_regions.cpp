@@ -12,9 +12,9 @@
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
-#include "tetropolis/io/vector/vector.h"
 
 #include "options_of.h"
+#include "read_areas.h"
 
 namespace tetropolis {
 
@@ -77,13 +77,10 @@ std::vector<SizeRegion> read_size_regions(const Config& config, const std::strin
       regions.push_back({rectangle(entry.box), entry.size});
       continue;
     }
-    ReadFootprintsOptions options;
-    options.target_crs = crs;
-    FootprintsInput input = read_footprints(entry.file, options);
+    FootprintsInput input = read_areas(entry.file, crs, false, warnings);
     if (input.features.empty())
       throw Error(ErrorKind::kInput,
                   entry.file + ": has no polygon to refine in; give areas, or leave it out");
-    warnings.insert(warnings.end(), input.warnings.begin(), input.warnings.end());
     for (Footprint& feature : input.features)
       regions.push_back({std::move(feature.polygon), entry.size});
   }
@@ -92,13 +89,10 @@ std::vector<SizeRegion> read_size_regions(const Config& config, const std::strin
 
 Polygon read_domain(const Config& config, const std::string& crs, std::vector<Warning>& warnings) {
   if (domain_shape(config) != DomainShape::kPolygon) return {};
-  ReadFootprintsOptions options;
-  options.target_crs = crs;
-  FootprintsInput input = read_footprints(config.domain, options);
+  FootprintsInput input = read_areas(config.domain, crs, false, warnings);
   if (input.features.empty())
     throw Error(ErrorKind::kInput,
                 config.domain + ": has no polygon for the domain; give one, or domain = \"auto\"");
-  warnings.insert(warnings.end(), input.warnings.begin(), input.warnings.end());
   return std::move(input.features.front().polygon);
 }
 

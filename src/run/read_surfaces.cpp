@@ -1,7 +1,6 @@
 #include "read_surfaces.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -9,15 +8,17 @@
 #include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/io/vector/vector.h"
+
+#include "core/text.h"
+#include "read_areas.h"
 
 namespace tetropolis {
 
 namespace {
 
-std::optional<SurfaceKind> kind_named(std::string word) {
-  for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  const auto found = std::find(kSurfaceKindNames.begin(), kSurfaceKindNames.end(), word);
+std::optional<SurfaceKind> kind_named(const std::string& word) {
+  const auto found =
+      std::find(kSurfaceKindNames.begin(), kSurfaceKindNames.end(), lower_case(word));
   if (found == kSurfaceKindNames.end()) return std::nullopt;
   return static_cast<SurfaceKind>(found - kSurfaceKindNames.begin());
 }
@@ -55,11 +56,7 @@ std::vector<SurfaceArea> read_surfaces(const Config& config, const std::string& 
   std::vector<SurfaceArea> surfaces;
   for (const std::string& text : config.surface_layers) {
     const SurfaceLayerEntry entry = parse_surface_layer(text);
-    ReadFootprintsOptions options;
-    options.target_crs = crs;
-    options.attributes = !entry.kind;
-    FootprintsInput input = read_footprints(entry.file, options);
-    warnings.insert(warnings.end(), input.warnings.begin(), input.warnings.end());
+    FootprintsInput input = read_areas(entry.file, crs, !entry.kind, warnings);
     const std::size_t before = surfaces.size();
     std::string unknown;
     std::int64_t unknown_count = 0;

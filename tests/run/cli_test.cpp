@@ -610,6 +610,20 @@ TEST_F(Cli, DataBesideAModelAreNoResultsOfIt) {
   EXPECT_EQ(run("check input").code, 1);
 }
 
+/// Of such files buildings are read: they would become water.
+TEST_F(Cli, BuildingsOfAnExtractAreNoAreas) {
+  synth("--buildings 4 --size 100");
+  const std::string build =
+      "build --quiet --footprints input/footprints.shp --points input --out one ";
+  ASSERT_EQ(run(build).code, 0);
+  const std::string mesh = "mesh --quiet --city one/city.city.json --dtm one/dtm.tif --out two ";
+  std::ofstream(scratch / "town.osm") << "<?xml version='1.0'?>\n<osm version='0.6'>\n</osm>\n";
+  for (const std::string option : {"--surface-layers town.osm:water", "--refine town.osm:5"})
+    expect_error(mesh + option, 3, "town.osm: is an OpenStreetMap extract");
+  expect_error(mesh + "--surface-layers one/city.city.json:road", 3,
+               "one/city.city.json: is a city model");
+}
+
 TEST_F(Cli, MistakesInBoundsListsAndSizes) {
   synth("--buildings 4 --size 100");
   ASSERT_EQ(run("city --quiet --footprints input/footprints.shp --points input --out one").code, 0);

@@ -70,6 +70,7 @@ export interface Report {
                    counts?: number[]};
     aspect_ratio: {median: number; p99: number; max: number};
     worst_cells: WorstCell[];
+    prisms?: {cells: number};
   };
   surface_mesh?: {triangles: number; closed: boolean; manifold: boolean;
                   faces_by_patch: Record<string, number>};

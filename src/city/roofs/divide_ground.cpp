@@ -13,6 +13,7 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 
+#include "city/footprint_index.h"
 #include "city/roofs/clear_lines.h"
 #include "city/roofs/partition.h"
 #include "city/roofs/region_points.h"
@@ -36,42 +37,6 @@ Steps steps(Point2 p) {
 }
 
 RegionRoof roof_of(Partition::Region kind) { return {{{}, kStorey * kind, 0, 0}, 0, Lod::kBlock}; }
-
-/// Polygons by the cells of a grid that their boxes meet.
-class PolygonGrid {
- public:
-  PolygonGrid(std::vector<const Polygon*> polygons, const Bounds2& box)
-      : polygons_(std::move(polygons)), box_(box) {
-    for (std::size_t i = 0; i < polygons_.size(); ++i) {
-      const Bounds2 own = bounds(*polygons_[i]);
-      if (!own.intersects(box_)) continue;
-      for (std::size_t y = slot(own.ymin - box_.ymin, box_.height());
-           y <= slot(own.ymax - box_.ymin, box_.height()); ++y)
-        for (std::size_t x = slot(own.xmin - box_.xmin, box_.width());
-             x <= slot(own.xmax - box_.xmin, box_.width()); ++x)
-          cells_[y * kCells + x].push_back(i);
-    }
-  }
-
-  /// Calls visit(i) for the polygons that have p, ascending.
-  template <typename Visit>
-  void for_each_around(Point2 p, const Visit& visit) const {
-    const std::size_t y = slot(p.y - box_.ymin, box_.height());
-    for (const std::size_t i : cells_[y * kCells + slot(p.x - box_.xmin, box_.width())])
-      if (contains(*polygons_[i], p)) visit(i);
-  }
-
- private:
-  static constexpr std::size_t kCells = 64;  // in either direction
-  static std::size_t slot(double distance, double size) {
-    const double share = size > 0 ? std::clamp(distance / size, 0.0, 1.0) : 0;
-    return std::min(static_cast<std::size_t>(share * kCells), kCells - 1);
-  }
-
-  std::vector<const Polygon*> polygons_;
-  Bounds2 box_;
-  std::vector<std::vector<std::size_t>> cells_{kCells * kCells};
-};
 
 /// Valid areas that meet the domain.
 std::vector<SurfaceArea> usable(std::span<const SurfaceArea> areas, const Bounds2& domain) {
@@ -107,16 +72,15 @@ class Lines {
     const geos::Result faces = geos::faces(all, kCoordinateStep);
     if (!faces)
       throw Error(ErrorKind::kInput, "surface_layers: the outlines cannot be brought together");
-    const PolygonGrid area_at(of_areas, domain.bounds()),
-        footprint_at(of_footprints, domain.bounds());
+    const FootprintIndex area_at(of_areas, 0), footprint_at(of_footprints, 0);
     std::map<std::pair<NodeId, NodeId>, Partition::Region> left;
     for (const Polygon& face : *faces) {
       const Point2 inside = interior_point(face);
       bool is_building = !domain.encloses(inside);
-      footprint_at.for_each_around(inside, [&](std::size_t) { is_building = true; });
+      footprint_at.at(inside, [&](BuildingIndex, bool) { is_building = true; });
       if (is_building) continue;
       Partition::Region region = 0;
-      area_at.for_each_around(inside, [&](std::size_t i) {
+      area_at.at(inside, [&](BuildingIndex i, bool) {
         const auto kind = static_cast<Partition::Region>(areas[i].kind) + 1;
         region = region == 0 ? kind : std::min(region, kind);
       });

@@ -202,10 +202,10 @@ void add_columns(const ColumnMesh& mesh, bool floors_only, Payload& payload) {
 
 std::string page_html(const PageContents& contents, std::int64_t most_cells) {
   const ColumnMesh* mesh = contents.mesh;
-  // Prisms are not drawn: tets above them reach down to the ground.
+  // Prisms are not drawn: tets above them reach down to the ground, and without tets no cells are.
   const std::int64_t cells = mesh == nullptr ? 0 : cell_offsets(*mesh).back().value();
   if (mesh != nullptr && std::ssize(mesh->ground.triangles) > kMostPageTriangles) mesh = nullptr;
-  const bool has_volume = mesh != nullptr && cells <= most_cells;
+  const bool has_volume = mesh != nullptr && cells <= most_cells && !mesh->layers.whole;
   Payload payload;
   payload.add("facts", facts_text(contents, mesh, cells, has_volume));
   if (mesh != nullptr) add_columns(*mesh, !has_volume, payload);

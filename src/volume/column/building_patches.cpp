@@ -76,12 +76,6 @@ SurfaceMesh divide_by_building(const SurfaceMesh& boundary, std::span<const Buil
     for (std::size_t f = 0; f < order.size(); ++f) sorted[f] = values[order[f]];
     values = std::move(sorted);
   };
-  // Halves of a quadrilateral have one patch, so they stay neighbours.
-  result.quads.clear();
-  for (std::size_t f = 0; f < order.size(); ++f)
-    if (std::binary_search(boundary.quads.begin(), boundary.quads.end(),
-                           static_cast<std::int32_t>(order[f])))
-      result.quads.push_back(static_cast<std::int32_t>(f));
   sort(result.triangles);
   sort(result.patch);
   sort(result.building);

@@ -384,7 +384,8 @@ bool Climber::end(VertexIndex v, double least_share, double least_angle) {
     std::array<std::size_t, 3> ring;
     Point3 centre;
   };
-  std::vector<Cap> caps;
+  std::array<Cap, kMost> caps;
+  std::size_t count = 0;
   std::array<std::int32_t, kMost> over{};  // per spoke: the cap over its triangle
   // Of each chord i - j, the cap on its far side.
   Worst worst;
@@ -397,16 +398,16 @@ bool Climber::end(VertexIndex v, double least_share, double least_angle) {
       const std::size_t a = side == 0 ? i : k, b = side == 0 ? k : j;
       const Point3 other = behind[side] < 0 ? triangle(star_[a]).centre
                                             : caps[static_cast<std::size_t>(behind[side])].centre;
-      if (behind[side] < 0) over[a] = static_cast<std::int32_t>(caps.size());
+      if (behind[side] < 0) over[a] = static_cast<std::int32_t>(count);
       worst.add_face({o, ring[a], ring[b]}, other, centre);
     }
-    caps.push_back({{i, k, j}, centre});
-    return static_cast<std::ptrdiff_t>(caps.size()) - 1;
+    caps[count] = {{i, k, j}, centre};
+    return static_cast<std::ptrdiff_t>(count++);
   };
   visit(visit, 0, n - 1);
-  worst.add_face({o, ring[n - 1], ring[0]}, triangle(star_[n - 1]).centre, caps.back().centre);
+  worst.add_face({o, ring[n - 1], ring[0]}, triangle(star_[n - 1]).centre, caps[count - 1].centre);
   if (!(worst.share() > std::min(kGoodEndFaces, least_share))) return false;
-  over[n - 1] = static_cast<std::int32_t>(caps.size()) - 1;
+  over[n - 1] = static_cast<std::int32_t>(count) - 1;
 
   const double order = column(v).order;
   add_step(v, std::numeric_limits<double>::quiet_NaN());
@@ -416,7 +417,7 @@ bool Climber::end(VertexIndex v, double least_share, double least_angle) {
     for (const VertexIndex u : {spoke.vertex, spoke.next})
       std::erase(front_.around[u], spoke.piece);
   }
-  for (std::size_t i = 0; i < caps.size(); ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     const Piece piece = star_[i].piece;  // there are two more of them
     FrontTriangle& cap = triangle(star_[i]);
     cap = {{}, static_cast<std::int32_t>(i), v, order, caps[i].centre, false};

@@ -46,7 +46,12 @@ export function cityLegend({facts}: Model, colours: Colours, cuts: boolean): HTM
     if (facts.volume && colours !== 'quality') parts.push(ramp('Cells at the plane: least dihedral angle', kQualityRamp.gradient(), kAngles));
     parts.push(el('ul', {class: 'keys'}, key(kSolidColours.building, 'building'), key(kSolidColours.soil, 'soil')));
   }
-  if (facts.cells > 0 && !facts.volume)
+  const mesh = facts.report?.volume_mesh, prisms = mesh?.prisms?.cells ?? 0;
+  if (prisms > 0 && prisms === mesh?.cells)
+    parts.push(el('p', {class: 'note'}, 'Prisms are not drawn: sections have no cells.'));
+  else if (prisms > 0 && facts.volume)
+    parts.push(el('p', {class: 'note'}, `${whole(prisms)} prisms on the ground are not drawn: cells above reach down to it.`));
+  else if (facts.cells > 0 && !facts.volume)
     parts.push(el('p', {class: 'note'}, `${whole(facts.cells)} cells are too many for a page: this one shows ${facts.mesh ? 'the surface, and sections without cells' : 'the buildings'}.`));
   return parts;
 }
