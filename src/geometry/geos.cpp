@@ -199,6 +199,17 @@ Result intersect(std::span<const Polygon> a, std::span<const Polygon> b, double 
                          : GEOSIntersection_r(context.get(), left.get(), right.get())});
 }
 
+Result offset(std::span<const Polygon> polygons, double distance) {
+  constexpr int kQuadrantSegments = 8;  // of round ends, which there are none of
+  constexpr double kMitreLimit = 5;     // half a corner of 23 degrees has the sine 1/5
+  const Context context;
+  const Geometry input = make_collection(context, polygons, GEOS_MULTIPOLYGON);
+  if (input.get() == nullptr) return std::nullopt;
+  return read(context, {context, GEOSBufferWithStyle_r(context.get(), input.get(), distance,
+                                                       kQuadrantSegments, GEOSBUF_CAP_FLAT,
+                                                       GEOSBUF_JOIN_MITRE, kMitreLimit)});
+}
+
 Result faces(std::span<const Polygon> polygons, double grid) {
   const Context context;
   std::vector<GEOSGeometry*> rings;

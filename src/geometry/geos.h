@@ -33,6 +33,11 @@ Result subtract(std::span<const Polygon> a, std::span<const Polygon> b, double g
 /// a and b; both are lists of valid polygons with disjoint interiors.
 Result intersect(std::span<const Polygon> a, std::span<const Polygon> b, double grid);
 
+/// All points within `distance` of the polygons, which are valid; `distance` < 0: all that are
+/// farther than that inside. With square corners, bevelled where they are sharper than about 23
+/// degrees.
+Result offset(std::span<const Polygon> polygons, double distance);
+
 /// The faces that the rings of all polygons divide the plane into, the one around all left out.
 /// Rings are noded on multiples of `grid` first, so faces have the same vertices along what they
 /// share; ends of lines that bound nothing are left out.

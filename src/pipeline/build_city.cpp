@@ -126,6 +126,7 @@ std::map<std::string, std::int64_t> resorts_by_name(const SimplifyStats& stats) 
                                               {"vertices_moved", stats.vertices_moved},
                                               {"holes_filled", stats.holes_filled},
                                               {"gaps_filled", stats.gaps_filled},
+                                              {"dead_ends_closed", stats.dead_ends_closed},
                                               {"arms_cut", stats.arms_cut},
                                               {"necks_widened", stats.necks_widened},
                                               {"corners_blunted", stats.corners_chamfered},

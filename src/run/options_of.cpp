@@ -32,6 +32,7 @@ BuildCityOptions city_options(const Config& config) {
   options.default_height = config.default_height;
   options.lod = config.lod;
   options.simplify.min_distance = config.min_building_distance;
+  options.simplify.close_gaps = config.close_gaps;
   options.simplify.growths = config.merge_growths;
   options.simplify.min_area = config.min_building_area;
   options.simplify.parallel_tolerance = config.parallel_tolerance;

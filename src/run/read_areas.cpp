@@ -16,11 +16,13 @@ FootprintsInput read_areas(const std::string& file, const std::string& crs, bool
   if (std::filesystem::is_regular_file(file, error)) {
     if (is_osm_file(file))
       throw Error(ErrorKind::kInput,
-                  file + ": is an OpenStreetMap extract, of which only buildings are read; export "
-                         "its areas first (ogr2ogr areas.gpkg EXTRACT multipolygons)");
+                  file +
+                      ": is an OpenStreetMap extract, of which only buildings are read; export "
+                      "its areas first (ogr2ogr areas.gpkg EXTRACT multipolygons)");
     if (is_city_model(file))
-      throw Error(ErrorKind::kInput,
-                  file + ": is a city model, of which only buildings are read; give a file of areas");
+      throw Error(
+          ErrorKind::kInput,
+          file + ": is a city model, of which only buildings are read; give a file of areas");
   }
   ReadFootprintsOptions options;
   options.target_crs = crs;

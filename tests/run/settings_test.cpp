@@ -417,6 +417,17 @@ const std::vector<Setting>& table() {
          EXPECT_EQ(plain.city().buildings, 5);
          EXPECT_EQ(changed.city().buildings, 6);  // hall and annex apart
        }},
+      {"close_gaps",
+       {"3"},
+       run_city,
+       [](R plain, R changed) {
+         EXPECT_EQ(plain.city().resorts.at("dead_ends_closed"), 0);
+         EXPECT_EQ(changed.city().resorts.at("dead_ends_closed"), 1);
+         EXPECT_NEAR(changed.city().area_after, plain.city().area_after + 20, 0.1);
+       },
+       [](Village& village, Config&) {  // a yard of 2 m
+         village.footprints[Village::kHall].holes = {{{20, 18}, {20, 28}, {22, 28}, {22, 18}}};
+       }},
       {"merge_growths",
        {"1"},
        run_city,

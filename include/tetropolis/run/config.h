@@ -75,6 +75,7 @@ struct Config {
   Lod lod = Lod::k2_2;
   double min_building_height = 2.5;
   double min_building_distance = 1;
+  double close_gaps = 0;
   int merge_growths = 3;
   double min_building_area = 15;
   MeasuredGround measured_ground = MeasuredGround::kDrop;

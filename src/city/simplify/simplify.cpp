@@ -17,6 +17,7 @@
 #include "chamfer.h"
 #include "city/grid_geometry.h"
 #include "city/outline.h"
+#include "close_gaps.h"
 #include "cluster_polygons.h"
 #include "core/infinity.h"
 #include "core/parallel.h"
@@ -36,6 +37,7 @@ namespace {
 
 constexpr int kGentleRounds = 5;     ///< Gap fills whose reach doubles.
 constexpr int kLocalHullRounds = 6;  ///< Hulls of surroundings whose radius doubles.
+constexpr int kCloseRounds = 3;      ///< Fills of slots, which repairs may open again.
 constexpr int kChamferRounds = 8;    ///< Corners whose neighbours change; two do nearly always.
 /// Corners of footprints stay angles of cells, of which few are to be below 12 degrees.
 constexpr double kSharpCornerDeg = 13.5;
@@ -68,6 +70,7 @@ class Simplifier {
   bool unite_close_groups(bool hulls);
   Group united(const std::vector<std::size_t>& parts, bool hulls);
   void repair_in_rounds();
+  bool close_dead_ends();
   void repair_with_hulls();
   bool make_hull(Group& group);
   bool fill_courtyards_of_lost();
@@ -96,6 +99,9 @@ void require_sensible(const SimplifyOptions& options) {
   if (!(options.min_distance >= 0.01 && options.min_distance <= 1000))
     throw Error(ErrorKind::kUsage, fmt::format("merge distance {} m: must be from 0.01 to 1000",
                                                options.min_distance));
+  if (!(options.close_gaps >= 0 && options.close_gaps <= 1000))
+    throw Error(ErrorKind::kUsage,
+                fmt::format("gaps to close of {} m: must be from 0 to 1000", options.close_gaps));
   if (options.growths < 1)
     throw Error(ErrorKind::kUsage, fmt::format("growths {}: must be at least 1", options.growths));
   if (!(options.min_area >= 0))
@@ -412,6 +418,24 @@ void Simplifier::repair_in_rounds() {
   }
 }
 
+/// Whether there were any.
+bool Simplifier::close_dead_ends() {
+  if (!(options_.close_gaps > options_.min_distance)) return false;
+  const double width = options_.close_gaps * grid::kSteps;
+  std::vector<FillsAndCuts> fills(groups_.size());
+  parallel_chunks(groups_.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      fills[k].fill = dead_end_fills(groups_[k].polygon, width);
+  });
+  std::int64_t count = 0;
+  for (const FillsAndCuts& group : fills) count += std::ssize(group.fill);
+  if (count == 0) return false;
+  result_.stats.dead_ends_closed += count;
+  apply_fills_and_cuts(std::move(fills));
+  unite_close_groups(false);
+  return true;
+}
+
 /// Replaces the polygon by its hull and lets short edges drop away; false if it vanishes.
 bool Simplifier::make_hull(Group& group) {
   group.polygon = {convex_hull(group.polygon.outer), {}};
@@ -567,6 +591,7 @@ Simplification Simplifier::run() {
   merge_clusters();
   progress_.update(0.4);
   repair_in_rounds();
+  for (int round = 0; round < kCloseRounds && close_dead_ends(); ++round) repair_in_rounds();
   repair_with_hulls();
   chamfer_corners();
   for (int round = 0; round < kChamferRounds; ++round) {

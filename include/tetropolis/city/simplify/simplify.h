@@ -19,6 +19,9 @@ struct SimplifyOptions {
   int growths = 3;            ///< How many reaches are tried for gap fills that join polygons:
                               ///< the distance, twice that, and so on; >= 1.
   double min_area = 15;       ///< Square metres; smaller results are dropped.
+  double close_gaps = 0;      ///< Metres: slots and courtyards that are narrower than this and
+                              ///< lead nowhere are filled; up to min_distance: no others than are
+                              ///< anyway.
   double parallel_tolerance =
       0.01;  ///< Radians; edges closer in direction count as parallel (2.2).
 };
@@ -61,9 +64,10 @@ struct SimplifyStats {
   std::int64_t edges_merged = 0;  ///< Short edges replaced by one vertex.
   std::int64_t edges_slid = 0;    ///< Short edges lengthened along the adjoining walls.
   std::int64_t vertices_moved = 0;
-  std::int64_t holes_filled = 0;  ///< Courtyards filled by repairs of vertices.
-  std::int64_t gaps_filled = 0;   ///< Gap fills put into gaps, notches and slots.
-  std::int64_t arms_cut = 0;      ///< Gap fills taken out of necks and thin arms.
+  std::int64_t holes_filled = 0;      ///< Courtyards filled by repairs of vertices.
+  std::int64_t gaps_filled = 0;       ///< Gap fills put into gaps, notches and slots.
+  std::int64_t dead_ends_closed = 0;  ///< Fills of SimplifyOptions::close_gaps, gaps_filled too.
+  std::int64_t arms_cut = 0;          ///< Gap fills taken out of necks and thin arms.
   std::int64_t necks_widened = 0;
   std::int64_t corners_chamfered = 0;  ///< Sharp corners that lost the tip that is too narrow.
   std::int64_t local_hulls = 0;        ///< Close pairs covered by the hull of their surroundings.
@@ -93,7 +97,7 @@ struct Simplification {
 /// - buildings that a repair parts from each other (they hung together by something thin) go on as
 ///   footprints of their own, each with the members that it holds most of;
 /// - the result does not depend on the number of threads; a second call on the result returns it
-///   unchanged;
+///   unchanged (with close_gaps: nearly always, as repairs may leave another slot);
 /// - near-linear time, apart from the unions of large clusters.
 ///
 /// kRepaired marks footprints whose outline is more than 2 cm off the union of the polygons that it
