@@ -9,9 +9,11 @@
 
 #include <fmt/format.h>
 
+#include "core/infinity.h"
 #include "volume/column/ground_heights.h"
 #include "volume/column/levels.h"
 #include "volume/column/roof_heights.h"
+#include "volume/excavate/ease_ground.h"
 #include "volume/layered/free_top.h"
 #include "volume/layered/ladder.h"
 #include "volume/layered/layered_mesh.h"
@@ -118,16 +120,44 @@ ColumnPlan plan_of(const MeshCityOptions& options, const CityParts& parts, const
   return plan;
 }
 
+/// Lowers ground that prisms would be sheared on.
+void ease(const MeshCityOptions& options, const Raster& dtm, const GroundMesh& ground,
+          ColumnPlan& plan) {
+  if (options.cut_slope_deg >= 90) return;
+  PrismBounds bounds;
+  bounds.slope_deg = options.cut_slope_deg;
+  plan.eased = ease_ground(ground, build_edge_graph(ground), plan.lift,
+                           options.boundary_layers.first, bounds, plan.ground);
+  if (plan.eased.empty()) return;
+  count_lowered(ground, lifted_terrain(ground, dtm, plan.lift), options.min_wall_height, plan);
+}
+
+/// The highest layer on which the flattest triangle makes no prism of a greater aspect ratio than
+/// is meant, less what layers are stretched by where ground is low.
+double highest_layer(const GroundMesh& ground) {
+  constexpr double kAspect = 54;
+  double least = kInfinity;
+  for (const auto& v : ground.triangles) {
+    const Point2 a = ground.vertices[v[0]], b = ground.vertices[v[1]], c = ground.vertices[v[2]];
+    const double area = ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)) / 2;
+    const auto [left, right] = std::minmax({a.x, b.x, c.x});
+    const auto [front, back] = std::minmax({a.y, b.y, c.y});
+    least = std::min(least, area / std::max(right - left, back - front));
+  }
+  return kAspect * least;
+}
+
 /// The layers that columns of prisms share: between buildings as high as triangles of the mesh size
 /// are far from corner to centre, above them up to six times that.
-std::vector<double> ladder_of(const MeshCityOptions& options, const ColumnPlan& plan) {
+std::vector<double> ladder_of(const MeshCityOptions& options, const GroundMesh& ground,
+                              const ColumnPlan& plan) {
   constexpr double kCanopy = 0.6, kFar = 3.6;
   const LayerHeights& below = options.boundary_layers;
   LadderSpacing spacing;
   spacing.first = below.first * std::pow(below.growth, below.count);
   spacing.growth = std::max(below.growth, 1.05);
   spacing.canopy = std::max(kCanopy * options.mesh_size, spacing.first);
-  spacing.far = std::max(kFar * options.mesh_size, spacing.canopy);
+  spacing.far = std::max(std::min(kFar * options.mesh_size, highest_layer(ground)), spacing.canopy);
   const auto& roofs = plan.roofs.flat;
   const double highest =
       roofs.empty() ? plan.layers.bottom : *std::max_element(roofs.begin(), roofs.end());
@@ -143,7 +173,8 @@ Columns smooth_columns(const MeshCityOptions& options, const CityParts& parts, c
     plan = plan_of(options, parts, dtm, ground, nullptr, spacing_of(options, ground), result);
     const auto triangles = static_cast<double>(ground.triangles.size());
     if (options.cells == Cells::kPrisms) {
-      std::vector<double> ladder = ladder_of(options, plan);
+      ease(options, dtm, ground, plan);
+      std::vector<double> ladder = ladder_of(options, ground, plan);
       plan.layers.layers = static_cast<std::int32_t>(ladder.size()) - 1;
       result.volume_facts.layers = plan.layers.layers;
       require_cells_fit(options, size, triangles, 3 * triangles * plan.layers.layers);

@@ -400,6 +400,11 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
   } else if (options.cells == Cells::kTets) {
     quality = measure_quality(columns.mesh, clock);
   }
+  for (const VertexIndex v : columns.plan.eased) {
+    const Point2 p = columns.mesh.ground.vertices[v];
+    excavated.toes.push_back({p.x, p.y, columns.plan.ground[v]});
+    excavated.toe_slopes_deg.push_back(options.cut_slope_deg);
+  }
   add_upper(options, columns, clock);
   if (options.boundary_layers.count > 0)
     clock.run("3.5", "boundary layers", [&](const Progress&) {

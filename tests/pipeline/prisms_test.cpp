@@ -29,8 +29,10 @@ CityModel model_of(const testing::SmallCity& small) {
   return city;
 }
 
-CityMesh mesh_of(const testing::SmallCity& small, Cells cells, int layers = 0) {
+CityMesh mesh_of(const testing::SmallCity& small, Cells cells, int layers = 0,
+                 double cut_slope = 56) {
   MeshCityOptions options;
+  options.cut_slope_deg = cut_slope;
   options.mesh_size = 8;
   options.cells = cells;
   options.boundary_layers.count = layers;
@@ -94,6 +96,31 @@ TEST(Prisms, GiveWayToTetsOnSteepTerrain) {
   EXPECT_EQ(std::count_if(mesh.warnings.begin(), mesh.warnings.end(),
                           [](const Warning& w) { return w.code == "too_steep_for_prisms"; }),
             1);
+}
+
+TEST(Prisms, CutBackPits) {
+  const testing::SmallCity pit = testing::small_city([](double x, double y) {
+    return -7 * std::clamp((8 - std::max(std::abs(x - 62), std::abs(y - 40))) / 3, 0.0, 1.0);
+  });
+  const CityMesh kept = mesh_of(pit, Cells::kPrisms, 5, 90), cut = mesh_of(pit, Cells::kPrisms, 5);
+  EXPECT_GT(kept.volume_facts.prisms.max_non_orthogonality_deg, 60);
+  EXPECT_TRUE(kept.volume_facts.feet_cut_back.empty());
+  const PrismQuality& prisms = cut.volume_facts.prisms;
+  EXPECT_LT(prisms.max_non_orthogonality_deg, 60);
+  EXPECT_LT(prisms.max_skewness, 2);
+  EXPECT_FALSE(cut.volume_facts.feet_cut_back.empty());
+  EXPECT_EQ(cut.volume_facts.ground_lowered,
+            static_cast<std::int64_t>(cut.volume_facts.feet_cut_back.size()));
+  EXPECT_GT(cut.volume_facts.volume, kept.volume_facts.volume);
+}
+
+TEST(Prisms, AreNoTallerThanTheFlattestTriangleAllows) {
+  // Slots of a metre between high buildings.
+  testing::SmallCity city = testing::small_city([](double, double) { return 2.0; });
+  city.footprints = {testing::rectangle(40, 30, 60, 45), testing::rectangle(60.5, 30, 80, 45)};
+  city.roofs = {14, 22};
+  const PrismQuality prisms = mesh_of(city, Cells::kPrisms).volume_facts.prisms;
+  EXPECT_LT(prisms.max_aspect_ratio, 60);
 }
 
 TEST(Prisms, NeedAFlatTop) {

@@ -62,6 +62,7 @@ struct ColumnPlan {
   std::vector<double> lift;              ///< Height of the layers below the tets' ground, which
                                          ///< `ground` is; empty: there are none.
   LayerPlan layers;                      ///< Height of the domain, and layers of uniform columns.
+  std::vector<VertexIndex> eased;        ///< Where ground was lowered for prisms (ease_ground).
   std::int64_t lowered =
       0;               ///< Vertices outside buildings or on walls with ground below the terrain.
   double deepest = 0;  ///< How far, at most, in metres.

@@ -4,14 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <span>
 
 #include "tetropolis/volume/quality/face_quality.h"
 
 #include "core/infinity.h"
 #include "core/parallel.h"
 #include "core/units.h"
-#include "geometry/vec3.h"
+#include "prism_shape.h"
 #include "tet_cosines.h"
 
 namespace tetropolis {
@@ -20,49 +19,6 @@ namespace {
 
 constexpr std::size_t kTrianglesPerChunk = 1024;
 
-Point3 plus(const Point3& a, double share, const Point3& b) {
-  return {a[0] + share * b[0], a[1] + share * b[1], a[2] + share * b[2]};
-}
-
-double length(const Point3& a) { return std::sqrt(dot(a, a)); }
-
-/// A face made of the triangles between its edges and the mean of its corners, as in OpenFOAM.
-struct Face {
-  std::array<Point3, 4> corners{};
-  std::size_t count = 0;
-  Point3 area{};  ///< Vector, outwards.
-  Point3 centre{};
-  double flatness = 1;
-};
-
-Face face_of(std::span<const Point3> corners) {
-  Face face;
-  face.count = corners.size();
-  Point3 mean{};
-  for (const Point3& p : corners) mean = plus(mean, 1 / static_cast<double>(corners.size()), p);
-  double sum = 0;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Point3 &a = corners[i], &b = corners[(i + 1) % corners.size()];
-    face.corners[i] = a;
-    const Point3 twice = cross(minus(b, a), minus(mean, a));
-    const double size = length(twice) / 2;
-    face.area = plus(face.area, 0.5, twice);
-    sum += size;
-    for (const Point3& p : {a, b, mean}) face.centre = plus(face.centre, size / 3, p);
-  }
-  for (double& c : face.centre) c /= sum;
-  face.flatness = length(face.area) / sum;
-  return face;
-}
-
-/// A prism: its lower face, its upper one, and those over the sides from corner i to the next.
-struct Prism {
-  std::array<Face, 5> faces;
-  Point3 centre{};
-  double volume = 0;
-  double least_height = kInfinity;
-};
-
 /// Prism `layer` of the stack over triangle t.
 Prism prism_at(const ColumnMesh& mesh, TriangleIndex t, std::int32_t layer) {
   const auto& v = mesh.ground.triangles[t];
@@ -70,34 +26,27 @@ Prism prism_at(const ColumnMesh& mesh, TriangleIndex t, std::int32_t layer) {
     return elevation(mesh, prism_node(mesh, t, u, k));
   };
   std::array<Point3, 3> low{}, high{};
-  Prism prism;
   for (std::size_t i = 0; i < 3; ++i) {
     const Point2 p = mesh.ground.vertices[v[i]];
     low[i] = {p.x, p.y, z(v[i], layer)};
     high[i] = {p.x, p.y, z(v[i], layer + 1)};
-    prism.least_height = std::min(prism.least_height, high[i][2] - low[i][2]);
   }
-  prism.faces[0] = face_of(std::array{low[0], low[2], low[1]});
-  prism.faces[1] = face_of(high);
+  return prism_between(low, high);
+}
+
+double least_height(const Prism& prism) {
+  double least = kInfinity;
   for (std::size_t i = 0; i < 3; ++i) {
-    const std::size_t j = (i + 1) % 3;
-    prism.faces[2 + i] = face_of(std::array{low[i], low[j], high[j], high[i]});
+    const auto& side = prism.faces[2 + i].corners;
+    least = std::min(least, side[3][2] - side[0][2]);
   }
-  Point3 guess{};
-  for (const Face& face : prism.faces) guess = plus(guess, 0.2, face.centre);
-  for (const Face& face : prism.faces) {
-    const double volume = dot(face.area, minus(face.centre, guess)) / 3;
-    prism.volume += volume;
-    prism.centre = plus(plus(prism.centre, 0.75 * volume, face.centre), 0.25 * volume, guess);
-  }
-  for (double& c : prism.centre) c /= prism.volume;
-  return prism;
+  return least;
 }
 
 /// As in primitiveMeshTools::cellClosedness.
 double aspect_ratio(const Prism& prism) {
   Point3 sum{};
-  for (const Face& face : prism.faces)
+  for (const PrismFace& face : prism.faces)
     for (std::size_t c = 0; c < 3; ++c) sum[c] += std::abs(face.area[c]);
   const auto [least, most] = std::minmax({sum[0], sum[1], sum[2]});
   const double of_surface = (sum[0] + sum[1] + sum[2]) / (6 * std::pow(prism.volume, 2.0 / 3));
@@ -111,36 +60,23 @@ struct Sums {
   void add(const Prism& prism) {
     ++quality.cells;
     quality.volume += prism.volume;
-    quality.least_height = std::min(quality.least_height, prism.least_height);
+    quality.least_height = std::min(quality.least_height, least_height(prism));
     quality.max_aspect_ratio = std::max(quality.max_aspect_ratio, aspect_ratio(prism));
-    for (const Face& face : prism.faces)
+    for (const PrismFace& face : prism.faces)
       quality.least_flatness = std::min(quality.least_flatness, face.flatness);
   }
   /// Between the cells with these centres; the face's area leaves the first.
-  void add_inner(const Face& face, const Point3& from, const Point3& to) {
+  void add_inner(const PrismFace& face, const Point3& from, const Point3& to) {
     static const double cosine_of_70 = std::cos(to_radians(kMostNonOrthogonal));
-    const Point3 line = minus(to, from);
-    const double along = dot(face.area, line), distance = length(line);
-    const double cosine = along / (length(face.area) * distance);
+    const double cosine = cosine_across(face, from, to);
     ++quality.faces;
     quality.above_70 += cosine < cosine_of_70 ? 1 : 0;
     cosines += cosine;
     least_cosine = std::min(least_cosine, cosine);
-    const Point3 to_face = minus(face.centre, from);
-    add_skewness(face, plus(to_face, -dot(face.area, to_face) / along, line), 0.2 * distance);
+    quality.max_skewness = std::max(quality.max_skewness, skewness_across(face, from, to));
   }
-  void add_outer(const Face& face, const Point3& from) {
-    const Point3 to_face = minus(face.centre, from);
-    const double share = dot(face.area, to_face) / dot(face.area, face.area);
-    add_skewness(face, plus(to_face, -share, face.area), 0.4 * std::abs(share) * length(face.area));
-  }
-  void add_skewness(const Face& face, const Point3& skew, double least_extent) {
-    const double off = length(skew);
-    if (!(off > 0)) return;
-    double extent = least_extent;
-    for (std::size_t i = 0; i < face.count; ++i)
-      extent = std::max(extent, std::abs(dot(skew, minus(face.corners[i], face.centre))) / off);
-    quality.max_skewness = std::max(quality.max_skewness, off / extent);
+  void add_outer(const PrismFace& face, const Point3& from) {
+    quality.max_skewness = std::max(quality.max_skewness, skewness_at_boundary(face, from));
   }
 };
 

@@ -1,0 +1,94 @@
+#include "volume/excavate/ease_ground.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "support/small_city.h"
+#include "volume/column/ground_heights.h"
+
+namespace tetropolis {
+namespace {
+
+/// A plain with a pit of 7 m, whose sides are 3 m wide, and perhaps another far away.
+struct Pits {
+  testing::SmallCity city;
+  GroundMesh mesh;
+  std::vector<double> terrain, eased, lift;
+  std::vector<VertexIndex> lowered;
+
+  explicit Pits(bool two, double deep = 7) {
+    const auto depth = [](double x, double y, double at_x) {
+      const double off = std::max(std::abs(x - at_x) - 5, std::abs(y - 40) - 5);
+      return std::clamp(1 - off / 3, 0.0, 1.0);
+    };
+    city = testing::small_city([&](double x, double y) {
+      return -deep * (depth(x, y, 62) + (two ? depth(x, y, 8) : 0));
+    });
+    mesh = mesh_ground(city.footprints, city.domain, {4, 25});
+    terrain = terrain_under(mesh, city.dtm);
+    lift.assign(terrain.size(), 3.7);
+    eased = terrain;
+    for (double& z : eased) z += 3.7;
+    lowered = ease_ground(mesh, build_edge_graph(mesh), lift, 0.5, {}, eased);
+    for (double& z : eased) z -= 3.7;
+  }
+
+  /// Steepest triangle outside buildings, degrees, from the cosine of its normal.
+  double steepest(const std::vector<double>& z) const {
+    double least = 1;
+    for (const TriangleIndex t : mesh.triangles.indices()) {
+      if (mesh.inside_building(t)) continue;
+      const auto& v = mesh.triangles[t];
+      const Point2 a = mesh.vertices[v[0]], b = mesh.vertices[v[1]], c = mesh.vertices[v[2]];
+      const double ab = std::hypot(b.x - a.x, b.y - a.y, z[v[1]] - z[v[0]]);
+      const double bc = std::hypot(c.x - b.x, c.y - b.y, z[v[2]] - z[v[1]]);
+      const double ca = std::hypot(a.x - c.x, a.y - c.y, z[v[0]] - z[v[2]]);
+      const double half = (ab + bc + ca) / 2;  // Heron
+      const double area = std::sqrt(half * (half - ab) * (half - bc) * (half - ca));
+      const double plan = ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)) / 2;
+      least = std::min(least, plan / area);
+    }
+    return std::acos(least) * 180 / std::numbers::pi;
+  }
+};
+
+TEST(EaseGround, CutsBackThePitAndNothingElse) {
+  const Pits pits(false);
+  EXPECT_GT(pits.steepest(pits.terrain), 60);
+  EXPECT_LE(pits.steepest(pits.eased), 56.001);
+  std::vector<VertexIndex> changed;
+  for (const VertexIndex v : pits.mesh.vertices.indices()) {
+    EXPECT_LE(pits.eased[v], pits.terrain[v] + 1e-9);
+    EXPECT_GE(pits.eased[v], -7 - 1e-9);
+    if (std::abs(pits.eased[v] - pits.terrain[v]) < 1e-9) continue;
+    changed.push_back(v);
+    EXPECT_LT(std::hypot(pits.mesh.vertices[v].x - 62, pits.mesh.vertices[v].y - 40), 30);
+  }
+  EXPECT_FALSE(changed.empty());
+  EXPECT_EQ(pits.lowered, changed);
+}
+
+TEST(EaseGround, LeavesGentleGround) {
+  const Pits pits(true, 0.5);
+  EXPECT_TRUE(pits.lowered.empty());
+  for (std::size_t v = 0; v < pits.eased.size(); ++v)
+    EXPECT_NEAR(pits.eased[v], pits.terrain[v], 1e-12);
+}
+
+TEST(EaseGround, KnowsNothingOfFarPlaces) {
+  const Pits one(false), two(true);
+  ASSERT_EQ(one.mesh.vertices.size(), two.mesh.vertices.size());
+  EXPECT_GT(two.lowered.size(), one.lowered.size());
+  for (const VertexIndex v : one.mesh.vertices.indices())
+    if (one.mesh.vertices[v].x > 40) {
+      EXPECT_EQ(one.eased[v], two.eased[v]);
+    }
+}
+
+}  // namespace
+}  // namespace tetropolis
