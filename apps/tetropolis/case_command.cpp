@@ -1,10 +1,12 @@
 #include "case_command.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -32,16 +34,55 @@ void add_roughness(const std::string& word, OpenfoamCaseOptions& options) {
   options.patch_roughness[word.substr(0, sign)] = value;
 }
 
-void tell(const CaseArguments& arguments, const OpenfoamCase& made, Console& console) {
-  const OpenfoamCaseOptions& options = arguments.options;
-  const Wind& wind = options.wind;
+/// "240" or "0,45,90".
+void read_winds(const std::string& words, CaseArguments& arguments) {
+  arguments.winds.clear();
+  const char* at = words.data();
+  const char* const end = at + words.size();
+  for (bool more = true; more;) {
+    double value = 0;
+    const auto read = std::from_chars(at, end, value);
+    if (read.ec != std::errc() || (read.ptr != end && *read.ptr != ','))
+      throw CLI::ValidationError("--wind-from",
+                                 fmt::format("'{}' is not like 240 or 0,45,90", words));
+    arguments.winds.push_back(value);
+    more = read.ptr != end;
+    at = read.ptr + (more ? 1 : 0);
+  }
+  arguments.options.wind.from = arguments.winds.front();
+}
+
+/// A side that domain = auto made for the wind that it was told.
+bool is_of_other_wind(const OpenfoamCase::Side& side) {
+  return (side.patch == "inlet" && side.role != SideRole::kInlet) ||
+         (side.patch == "outlet" && side.role != SideRole::kOutlet) ||
+         (side.patch.starts_with("side_") && side.role != SideRole::kAlong);
+}
+
+std::string sides_of(const OpenfoamCase& made) {
   std::string sides;
   for (const OpenfoamCase::Side& side : made.sides)
     sides += fmt::format("{}{} {}", sides.empty() ? "" : ", ", side.patch,
                          kSideRoleNames[static_cast<std::size_t>(side.role)]);
-  console.result(fmt::format("wind     {} m/s at {} m from {} degrees over roughness {} m",
-                             wind.speed, wind.height, wind.from, wind.roughness));
-  console.result(fmt::format("sides    {}", sides));
+  return sides;
+}
+
+/// `cases`: of the winds, one at least; the ground is that of all.
+void tell(const CaseArguments& arguments, const std::vector<OpenfoamCase>& cases,
+          Console& console) {
+  const OpenfoamCaseOptions& options = arguments.options;
+  const Wind& wind = options.wind;
+  const OpenfoamCase& made = cases.front();
+  if (arguments.winds.size() > 1) {
+    console.result(fmt::format("wind     {} m/s at {} m over roughness {} m, {} directions: {} to {}",
+                               wind.speed, wind.height, wind.roughness, cases.size(),
+                               folder_of_wind(arguments.winds.front()),
+                               folder_of_wind(arguments.winds.back())));
+  } else {
+    console.result(fmt::format("wind     {} m/s at {} m from {} degrees over roughness {} m",
+                               wind.speed, wind.height, wind.from, wind.roughness));
+    console.result(fmt::format("sides    {}", sides_of(made)));
+  }
   console.result(
       fmt::format("ground   cells {:.2f} m high (median); {} points {} m above it, every "
                   "{} m",
@@ -58,6 +99,11 @@ void tell(const CaseArguments& arguments, const OpenfoamCase& made, Console& con
         "note     {} m above the ground is in the first two cells, where the wall function rules: "
         "cells lower than {:.2f} m would resolve the wind there (a smaller --mesh-size)",
         options.sample_height, options.sample_height / 2));
+  if (std::any_of(cases.begin(), cases.end(), [](const OpenfoamCase& one) {
+        return std::any_of(one.sides.begin(), one.sides.end(), is_of_other_wind);
+      }))
+    console.line(
+        "note     the domain is a box for another wind: --domain cylinder is one for all");
   console.result(
       fmt::format("solve    {}/Allrun, or Allrun 8 with eight processes", arguments.folder));
 }
@@ -83,8 +129,20 @@ void add_case_options(CLI::App& command, CaseArguments& arguments) {
       ->type_name("DIR")
       ->check([](const std::string& text) { return text.empty() ? "an empty name" : ""; });
   number("--wind-speed", options.wind.speed, "Speed at --wind-height [m/s]");
-  number("--wind-from", options.wind.from,
-         "Where the wind comes from [degrees], clockwise from north");
+  CLI::Option* const from =
+      command
+          .add_option_function<std::string>(
+              "--wind-from", [&](const std::string& words) { read_winds(words, arguments); },
+              fmt::format("Where the wind comes from [degrees], clockwise from north (default {}); "
+                          "openfoam: several, as 0,45,90, are a case each over one mesh",
+                          options.wind.from))
+          ->type_name("NUMBER,...");
+  openfoam(command
+               .add_option("--directions", arguments.directions,
+                           "A case for each of so many winds, evenly from north on")
+               ->type_name("INT")
+               ->check(CLI::Range(2, 360))
+               ->excludes(from));
   openfoam(
       number("--wind-height", options.wind.height, "Height of --wind-speed above the ground [m]"));
   openfoam(
@@ -118,8 +176,13 @@ void add_case_options(CLI::App& command, CaseArguments& arguments) {
 void make_case(const CaseArguments& arguments, Console& console) {
   OpenfoamCaseOptions options = arguments.options;
   options.dialect = named<FoamDialect>(arguments.dialect, kFoamDialectNames);
+  CaseArguments told = arguments;
+  for (int i = 0; i < arguments.directions; ++i)
+    told.winds.push_back(360.0 * i / arguments.directions);
   try {
     if (arguments.solver == "fenicsx") {
+      if (arguments.winds.size() > 1)
+        throw Error(ErrorKind::kUsage, "wind-from: several are for openfoam only; name one");
       for (const CLI::Option* option : arguments.openfoam_only)
         if (option->count() > 0)
           throw Error(ErrorKind::kUsage, fmt::format("{} is for openfoam only; leave it out",
@@ -128,7 +191,10 @@ void make_case(const CaseArguments& arguments, Console& console) {
       console.result(fmt::format("solve    python3 {}/smoke.py", arguments.folder));
       return;
     }
-    tell(arguments, write_openfoam_case(arguments.folder, options), console);
+    if (told.winds.size() > 1)
+      tell(told, write_openfoam_cases(arguments.folder, options, told.winds), console);
+    else
+      tell(told, {write_openfoam_case(arguments.folder, options)}, console);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kUsage) throw;
     const std::string what = error.what();  // of options, they begin with the option's name

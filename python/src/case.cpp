@@ -2,12 +2,14 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include "tetropolis/case/fenicsx_case.h"
 #include "tetropolis/case/openfoam_case.h"
@@ -30,31 +32,7 @@ Wind wind_of(double speed, double from, double height, double roughness) {
   return wind;
 }
 
-nb::dict case_openfoam(const std::filesystem::path& folder, double speed, double from,
-                       double height, double roughness, double ground,
-                       const std::map<std::string, double>& patches, double building,
-                       double sample_height, double sample_spacing, int iterations,
-                       const std::string& dialect, bool overwrite) {
-  OpenfoamCaseOptions options;
-  options.wind = wind_of(speed, from, height, roughness);
-  const auto& names = kFoamDialectNames;
-  const auto found = std::find(names.begin(), names.end(), dialect);
-  if (found == names.end())
-    throw Error(ErrorKind::kUsage,
-                fmt::format("dialect: '{}' is not one of {}", dialect, fmt::join(names, ", ")));
-  options.dialect = static_cast<FoamDialect>(found - names.begin());
-  options.ground_roughness = ground;
-  for (const auto& [patch, value] : patches) options.patch_roughness[patch] = value;
-  options.building_roughness = building;
-  options.sample_height = sample_height;
-  options.sample_spacing = sample_spacing;
-  options.iterations = iterations;
-  options.overwrite = overwrite;
-  OpenfoamCase made;
-  {
-    const nb::gil_scoped_release release;
-    made = write_openfoam_case(folder, options);
-  }
+nb::dict dict_of(const OpenfoamCase& made) {
   nb::dict sides;
   for (const OpenfoamCase::Side& side : made.sides)
     sides[side.patch.c_str()] =
@@ -69,6 +47,40 @@ nb::dict case_openfoam(const std::filesystem::path& folder, double speed, double
   return result;
 }
 
+/// One of `from`: a case in the folder; `several`: one in a folder of it for each.
+nb::list case_openfoam(const std::filesystem::path& folder, double speed,
+                       const std::vector<double>& from, bool several, double height, double roughness, double ground,
+                       const std::map<std::string, double>& patches, double building,
+                       double sample_height, double sample_spacing, int iterations,
+                       const std::string& dialect, bool overwrite) {
+  OpenfoamCaseOptions options;
+  options.wind = wind_of(speed, several ? 0 : from.at(0), height, roughness);
+  const auto& names = kFoamDialectNames;
+  const auto found = std::find(names.begin(), names.end(), dialect);
+  if (found == names.end())
+    throw Error(ErrorKind::kUsage,
+                fmt::format("dialect: '{}' is not one of {}", dialect, fmt::join(names, ", ")));
+  options.dialect = static_cast<FoamDialect>(found - names.begin());
+  options.ground_roughness = ground;
+  for (const auto& [patch, value] : patches) options.patch_roughness[patch] = value;
+  options.building_roughness = building;
+  options.sample_height = sample_height;
+  options.sample_spacing = sample_spacing;
+  options.iterations = iterations;
+  options.overwrite = overwrite;
+  std::vector<OpenfoamCase> made;
+  {
+    const nb::gil_scoped_release release;
+    if (several)
+      made = write_openfoam_cases(folder, options, from);
+    else
+      made.push_back(write_openfoam_case(folder, options));
+  }
+  nb::list results;
+  for (const OpenfoamCase& one : made) results.append(dict_of(one));
+  return results;
+}
+
 void case_fenicsx(const std::filesystem::path& folder, double speed, double from, bool overwrite) {
   Wind wind;
   wind.speed = speed;
@@ -81,7 +93,7 @@ void case_fenicsx(const std::filesystem::path& folder, double speed, double from
 
 void bind_case(nb::module_& module) {
   module.def("case_openfoam", case_openfoam, nb::arg("folder"), nb::arg("wind_speed"),
-             nb::arg("wind_from"), nb::arg("wind_height"), nb::arg("roughness"),
+             nb::arg("wind_from"), nb::arg("several"), nb::arg("wind_height"), nb::arg("roughness"),
              nb::arg("ground_roughness"), nb::arg("patch_roughness"), nb::arg("building_roughness"),
              nb::arg("sample_height"), nb::arg("sample_spacing"), nb::arg("iterations"),
              nb::arg("dialect"), nb::arg("overwrite"));

@@ -2,18 +2,19 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
 from . import _core
 
 
-def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5, wind_from: float = 270,
-                  wind_height: float = 10, roughness: float = 0.5, ground_roughness: float = 0,
-                  patch_roughness: Mapping[str, float] | None = None, building_roughness: float = 0.01,
-                  sample_height: float = 1.75, sample_spacing: float = 2, iterations: int = 500,
-                  dialect: Literal["com", "org"] = "com", overwrite: bool = False) -> dict[str, Any]:
+def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5,
+                  wind_from: float | Iterable[float] = 270, wind_height: float = 10, roughness: float = 0.5,
+                  ground_roughness: float = 0, patch_roughness: Mapping[str, float] | None = None,
+                  building_roughness: float = 0.01, sample_height: float = 1.75, sample_spacing: float = 2,
+                  iterations: int = 500, dialect: Literal["com", "org"] = "com",
+                  overwrite: bool = False) -> dict[str, Any] | list[dict[str, Any]]:
     """Makes a folder with a mesh for OpenFOAM a case of wind that its `Allrun` solves.
 
     Parameters
@@ -22,8 +23,9 @@ def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5, wind
         With `constant/polyMesh`: of `mesh.save(folder / "constant/polyMesh")`, or of a build with that format.
     wind_speed, wind_height : float
         m/s, at so many metres above the ground.
-    wind_from : float
-        Where the wind comes from, degrees clockwise from the grid's north.
+    wind_from : float or several
+        Where the wind comes from, degrees clockwise from the grid's north. Several: a case for each, in folders
+        w000, w045, ... that share the mesh, one `Allrun` for all, and `rose.py` for their table.
     roughness : float
         Roughness length of the land upwind, metres.
     ground_roughness : float
@@ -46,7 +48,7 @@ def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5, wind
     dict
         'sides', what the wind does at each; 'first_cell', the median height of cells on the ground; 'shallow', how
         many of the 'ground_faces' have a cell lower than four roughness lengths, where the wind comes out too fast;
-        'samples' and 'sample_spacing'.
+        'samples' and 'sample_spacing'. A list of them for several winds.
 
     Raises
     ------
@@ -55,9 +57,12 @@ def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5, wind
     InputError
         No mesh, or files that cannot be written.
     """
-    return _core.case_openfoam(Path(folder), wind_speed, wind_from, wind_height, roughness, ground_roughness,
-                               dict(patch_roughness or {}), building_roughness, sample_height, sample_spacing, iterations,
-                               dialect, overwrite)
+    several = isinstance(wind_from, Iterable)
+    winds = [float(wind) for wind in wind_from] if isinstance(wind_from, Iterable) else [float(wind_from)]
+    cases = _core.case_openfoam(Path(folder), wind_speed, winds, several, wind_height, roughness, ground_roughness,
+                                dict(patch_roughness or {}), building_roughness, sample_height, sample_spacing,
+                                iterations, dialect, overwrite)
+    return cases if several else cases[0]
 
 
 def case_fenicsx(folder: str | os.PathLike[str], *, wind_speed: float = 5, wind_from: float = 270,

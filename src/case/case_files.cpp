@@ -34,14 +34,19 @@ void require_wind(const Wind& wind) {
                 fmt::format("wind-from: {} is not between -360 and 360 degrees", wind.from));
 }
 
-void write_case_files(const fs::path& folder, const std::vector<CaseFile>& files, bool overwrite) {
+void require_new(const fs::path& folder, const std::vector<CaseFile>& files) {
   std::error_code error;
   for (const auto& [name, text] : files)
-    if (!overwrite && fs::exists(fs::symlink_status(folder / name, error)))
+    if (fs::exists(fs::symlink_status(folder / name, error)))
       throw Error(ErrorKind::kUsage,
                   fmt::format("{}: exists already; replace the case with --overwrite, or copy the "
                               "mesh into another folder",
                               (folder / name).string()));
+}
+
+void write_case_files(const fs::path& folder, const std::vector<CaseFile>& files, bool overwrite) {
+  if (!overwrite) require_new(folder, files);
+  std::error_code error;
   fs::remove(folder / files.back().first, error);
   for (const auto& [name, text] : files) {
     fs::create_directories((folder / name).parent_path(), error);

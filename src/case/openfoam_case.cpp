@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 #include <optional>
+#include <set>
 #include <system_error>
 #include <unordered_map>
 #include <utility>
@@ -21,6 +22,7 @@
 #include "geometry/vec3.h"
 #include "io/file/atomic_file.h"
 #include "openfoam_texts.h"
+#include "rose_texts.h"
 #include "sample_points.h"
 
 namespace tetropolis {
@@ -217,17 +219,26 @@ std::string entry(const std::string& type, const std::string& rest = "") {
 
 std::string fixed(const std::string& value) { return entry("fixedValue", "value " + value + ";"); }
 
+/// Heights in a mesh, the same for all winds.
+struct Heights {
+  explicit Heights(const FoamMesh& mesh)
+      : floors(floors_below(mesh.points)), cells(heights_of_cells(mesh, floors)) {}
+
+  std::vector<double> floors;
+  std::vector<double> cells;
+};
+
 /// The files of 0/.
 class Fields {
  public:
-  Fields(const FoamMesh& mesh, const OpenfoamCaseOptions& options)
+  /// Mesh and heights must outlive them.
+  Fields(const FoamMesh& mesh, const Heights& heights, const OpenfoamCaseOptions& options)
       : mesh_(mesh),
+        heights_(heights),
         options_(options),
         profile_(options.wind),
         to_(direction(options.wind)),
-        floors_(floors_below(mesh.points)),
-        patches_(patches_of(mesh, floors_, options.wind)),
-        cells_(heights_of_cells(mesh, floors_)),
+        patches_(patches_of(mesh, heights.floors, options.wind)),
         top_(height_of_top()) {}
 
   const std::vector<CasePatch>& patches() const { return patches_; }
@@ -240,7 +251,7 @@ class Fields {
     const double s = profile_.speed(top_);
     const std::string top = fmt::format("uniform ({:.8g} {:.8g} 0)", s * to_[0], s * to_[1]);
     return field(
-        "U", "volVectorField", "[0 1 -1 0 0 0 0]", speed(cells_),
+        "U", "volVectorField", "[0 1 -1 0 0 0 0]", speed(heights_.cells),
         [&](const CasePatch& p) -> std::string {
           if (p.patch->is_wall) return entry("noSlip");
           if (p.kind == CasePatch::Kind::kTop) return fixed(top);
@@ -282,7 +293,7 @@ class Fields {
     };
     const std::string wall = fmt::format("value uniform {:.8g}; Cmu {}; kappa {}; E 9.8;",
                                          profile_.dissipation(2), kCmu, kKarman);
-    return turbulence("epsilon", "[0 2 -3 0 0 0 0]", epsilon(cells_),
+    return turbulence("epsilon", "[0 2 -3 0 0 0 0]", epsilon(heights_.cells),
                       entry("epsilonWallFunction", wall),
                       fmt::format("uniform {:.8g}", profile_.dissipation(top_)), epsilon);
   }
@@ -353,7 +364,7 @@ class Fields {
       for (std::size_t f = p.patch->begin; f < p.patch->end; ++f)
         for (const std::int32_t corner : mesh_.face(f)) {
           highest = std::max(highest, mesh_.point(corner)[2]);
-          sum += floors_[static_cast<std::size_t>(corner)];
+          sum += heights_.floors[static_cast<std::size_t>(corner)];
           ++count;
         }
     }
@@ -395,17 +406,17 @@ class Fields {
   }
 
   const FoamMesh& mesh_;
-  const OpenfoamCaseOptions& options_;
+  const Heights& heights_;
+  OpenfoamCaseOptions options_;
   WindProfile profile_;
   std::array<double, 2> to_;
-  std::vector<double> floors_;
   std::vector<CasePatch> patches_;
-  std::vector<double> cells_;
   double top_;
   mutable std::optional<Box> town_;
 };
 
-std::string control(const OpenfoamCaseOptions& options) {
+/// `points`: the file of the points of people.
+std::string control(const OpenfoamCaseOptions& options, const char* points) {
   const bool is_org = options.dialect == FoamDialect::kOrg;
   return head("dictionary", "controlDict") +
          fmt::format(R"(application     {};
@@ -425,11 +436,12 @@ libs            ("libatmosphericModels.so");  // roughness, in later versions
 
 functions
 {{
-    #include "pedestrian"
+    #include "{}"
 }}
 )",
                      is_org ? "foamRun" : "simpleFoam",
-                     is_org ? "solver          incompressibleFluid;\n" : "", options.iterations);
+                     is_org ? "solver          incompressibleFluid;\n" : "", options.iterations,
+                     points);
 }
 
 std::string pedestrian(const OpenfoamCaseOptions& options, const SamplePoints& samples) {
@@ -470,40 +482,74 @@ std::string turbulence_model(const std::string& object, bool is_org) {
              is_org ? "model   " : "RASModel", kCmu, sigma);
 }
 
-std::vector<CaseFile> files_of(const OpenfoamCaseOptions& options, const Fields& fields,
-                               const SamplePoints& samples) {
+std::function<std::string()> known(std::string text) {
+  return [text = std::move(text)] { return text; };
+}
+
+/// A case but for Allrun; `points` as for control.
+void add_files_of(const OpenfoamCaseOptions& options, const Fields& fields, const char* points,
+                  const std::string& into, std::vector<CaseFile>& files) {
   const bool is_org = options.dialect == FoamDialect::kOrg;
-  const auto text = [](std::string all) { return [all = std::move(all)] { return all; }; };
-  std::vector<CaseFile> files{
-      {"0/U", [&] { return fields.velocity(); }},
-      {"0/p", [&] { return fields.pressure(); }},
-      {"0/k", [&] { return fields.kinetic_energy(); }},
-      {"0/epsilon", [&] { return fields.dissipation(); }},
-      {"0/nut", [&] { return fields.eddy_viscosity(); }},
-      {"constant/transportProperties",
-       text(head("dictionary", "transportProperties") +
-            "transportModel  Newtonian;\nnu              1.5e-05;\n")},
-      {"constant/turbulenceProperties", text(turbulence_model("turbulenceProperties", is_org))},
-      {"system/controlDict", text(control(options))},
-      {"system/pedestrian", [&] { return pedestrian(options, samples); }},
-      {"system/fvSchemes", text(head("dictionary", "fvSchemes") + foam_texts::kFvSchemes)},
-      {"system/fvSolution", text(head("dictionary", "fvSolution") + foam_texts::kFvSolution)},
-      {"wind.py", text(replaced(foam_texts::kWindPy,
-                                {{"@SPEED@", fmt::format("{}", options.wind.speed)},
-                                 {"@HEIGHT@", fmt::format("{}", options.wind.height)},
-                                 {"@SAMPLE_HEIGHT@", fmt::format("{}", options.sample_height)},
-                                 {"@SPACING@", fmt::format("{}", samples.spacing)}}))}};
-  if (is_org) {
-    files.emplace_back("constant/momentumTransport",
-                       text(turbulence_model("momentumTransport", true)));
-    files.emplace_back("constant/physicalProperties",
-                       text(head("dictionary", "physicalProperties") +
-                            "viscosityModel  constant;\nnu              1.5e-05;\n"));
-  }
-  // The last: a folder with it is a whole case.
-  files.emplace_back("Allrun", text(replaced(foam_texts::kAllrun,
-                                             {{"@SOLVER@", is_org ? "foamRun" : "simpleFoam"}})));
-  return files;
+  const auto add = [&](const char* name, std::function<std::string()> text) {
+    files.emplace_back(into + name, std::move(text));
+  };
+  add("0/U", [&] { return fields.velocity(); });
+  add("0/p", [&] { return fields.pressure(); });
+  add("0/k", [&] { return fields.kinetic_energy(); });
+  add("0/epsilon", [&] { return fields.dissipation(); });
+  add("0/nut", [&] { return fields.eddy_viscosity(); });
+  add("constant/transportProperties",
+      known(head("dictionary", "transportProperties") +
+            "transportModel  Newtonian;\nnu              1.5e-05;\n"));
+  add("constant/turbulenceProperties", known(turbulence_model("turbulenceProperties", is_org)));
+  add("system/controlDict", known(control(options, points)));
+  add("system/fvSchemes", known(head("dictionary", "fvSchemes") + foam_texts::kFvSchemes));
+  add("system/fvSolution", known(head("dictionary", "fvSolution") + foam_texts::kFvSolution));
+  if (!is_org) return;
+  add("constant/momentumTransport", known(turbulence_model("momentumTransport", true)));
+  add("constant/physicalProperties",
+      known(head("dictionary", "physicalProperties") +
+            "viscosityModel  constant;\nnu              1.5e-05;\n"));
+}
+
+/// What all winds over a mesh share: points and the programs that look at them.
+void add_shared_files(const OpenfoamCaseOptions& options, const SamplePoints& samples,
+                      std::vector<CaseFile>& files) {
+  files.emplace_back("system/pedestrian", [&] { return pedestrian(options, samples); });
+  files.emplace_back("wind.py",
+                     known(replaced(foam_texts::kWindPy,
+                                    {{"@SPEED@", fmt::format("{}", options.wind.speed)},
+                                     {"@HEIGHT@", fmt::format("{}", options.wind.height)},
+                                     {"@SAMPLE_HEIGHT@", fmt::format("{}", options.sample_height)},
+                                     {"@SPACING@", fmt::format("{}", samples.spacing)}})));
+}
+
+std::string allrun(const OpenfoamCaseOptions& options, const char* look) {
+  return replaced(
+      foam_texts::kAllrun,
+      {{"@SOLVER@", options.dialect == FoamDialect::kOrg ? "foamRun" : "simpleFoam"},
+       {"@LOOK@", look}});
+}
+
+void let_run(const fs::path& script) {
+  std::error_code error;
+  fs::permissions(script, fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec,
+                  fs::perm_options::add, error);
+  if (error) throw_cannot_write(script, error.message());
+}
+
+/// `link` to `target`, relative to its folder. A folder in its place is somebody's mesh.
+void link_folder(const fs::path& link, const fs::path& target) {
+  std::error_code error;
+  const fs::file_status found = fs::symlink_status(link, error);
+  if (fs::is_symlink(found))
+    fs::remove(link, error);
+  else if (fs::exists(found))
+    throw Error(ErrorKind::kUsage,
+                fmt::format("{}: is there and no link to the mesh; move it away", link.string()));
+  fs::create_directories(link.parent_path(), error);
+  fs::create_directory_symlink(target, link, error);
+  if (error) throw_cannot_write(link, error.message());
 }
 
 void require_options(const OpenfoamCaseOptions& options) {
@@ -545,20 +591,7 @@ void look_at_ground(const FoamMesh& mesh, const Fields& fields, OpenfoamCase& re
   result.first_cell = *middle;
 }
 
-}  // namespace
-
-OpenfoamCase write_openfoam_case(const fs::path& folder, const OpenfoamCaseOptions& options) {
-  require_options(options);
-  const FoamMesh mesh = read_foam_mesh(folder / "constant/polyMesh");
-  const Fields fields(mesh, options);
-  const SamplePoints samples = sample_points(mesh, options.sample_height, options.sample_spacing);
-  write_case_files(folder, files_of(options, fields, samples), options.overwrite);
-  std::error_code error;
-  fs::permissions(folder / "Allrun",
-                  fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec,
-                  fs::perm_options::add, error);
-  if (error) throw_cannot_write(folder / "Allrun", error.message());
-
+OpenfoamCase facts_of(const FoamMesh& mesh, const Fields& fields, const SamplePoints& samples) {
   OpenfoamCase result;
   for (const CasePatch& p : fields.patches())
     if (p.kind == CasePatch::Kind::kSide && p.patch->begin < p.patch->end)
@@ -567,6 +600,76 @@ OpenfoamCase write_openfoam_case(const fs::path& folder, const OpenfoamCaseOptio
   result.samples = static_cast<std::int64_t>(samples.points.size());
   result.sample_spacing = samples.spacing;
   return result;
+}
+
+}  // namespace
+
+OpenfoamCase write_openfoam_case(const fs::path& folder, const OpenfoamCaseOptions& options) {
+  require_options(options);
+  const FoamMesh mesh = read_foam_mesh(folder / "constant/polyMesh");
+  const Heights heights(mesh);
+  const Fields fields(mesh, heights, options);
+  const SamplePoints samples = sample_points(mesh, options.sample_height, options.sample_spacing);
+  std::vector<CaseFile> files;
+  add_files_of(options, fields, "pedestrian", "", files);
+  add_shared_files(options, samples, files);
+  // The last: a folder with it is a whole case.
+  files.emplace_back("Allrun", known(allrun(options, "wind.py")));
+  write_case_files(folder, files, options.overwrite);
+  let_run(folder / "Allrun");
+  return facts_of(mesh, fields, samples);
+}
+
+std::string folder_of_wind(double from) {
+  const double turned = std::fmod(std::fmod(from, 360) + 360, 360);
+  const std::string number = fmt::format("{}", turned);
+  const std::size_t whole = std::min(number.find('.'), number.size());
+  return "w" + std::string(whole < 3 ? 3 - whole : 0, '0') + number;
+}
+
+std::vector<OpenfoamCase> write_openfoam_cases(const fs::path& folder,
+                                               const OpenfoamCaseOptions& options,
+                                               std::span<const double> from) {
+  std::vector<OpenfoamCaseOptions> winds;
+  std::string names;
+  std::set<std::string> seen;
+  for (const double degrees : from) {
+    winds.push_back(options);
+    winds.back().wind.from = degrees;
+    require_options(winds.back());
+    const std::string name = folder_of_wind(degrees);
+    if (!seen.insert(name).second)
+      throw Error(ErrorKind::kUsage, fmt::format("wind-from: {} comes twice", degrees));
+    names += (names.empty() ? "" : " ") + name;
+  }
+  if (winds.empty()) throw Error(ErrorKind::kUsage, "wind-from: names no direction");
+
+  const FoamMesh mesh = read_foam_mesh(folder / "constant/polyMesh");
+  const Heights heights(mesh);
+  const SamplePoints samples = sample_points(mesh, options.sample_height, options.sample_spacing);
+  std::vector<Fields> fields;
+  fields.reserve(winds.size());
+  std::vector<CaseFile> files;
+  add_shared_files(options, samples, files);
+  for (const OpenfoamCaseOptions& wind : winds) {
+    const std::string into = folder_of_wind(wind.wind.from) + "/";
+    fields.emplace_back(mesh, heights, wind);
+    add_files_of(wind, fields.back(), "../../system/pedestrian", into, files);
+    files.emplace_back(into + "Allrun", known(allrun(options, "../wind.py .")));
+  }
+  files.emplace_back("rose.py", known(replaced(foam_texts::kRosePy, {{"@WINDS@", names}})));
+  files.emplace_back("Allrun", known(replaced(foam_texts::kAllrunWinds, {{"@WINDS@", names}})));
+  if (!options.overwrite) require_new(folder, files);
+  for (const std::string& name : seen)
+    link_folder(folder / name / "constant/polyMesh", "../../constant/polyMesh");
+  write_case_files(folder, files, options.overwrite);
+  let_run(folder / "Allrun");
+  std::vector<OpenfoamCase> results;
+  for (std::size_t i = 0; i < winds.size(); ++i) {
+    let_run(folder / folder_of_wind(winds[i].wind.from) / "Allrun");
+    results.push_back(facts_of(mesh, fields[i], samples));
+  }
+  return results;
 }
 
 }  // namespace tetropolis

@@ -140,7 +140,7 @@ END
   run mpirun -n "$processes" $SOLVER -parallel
   run reconstructPar -latestTime
 fi
-if command -v python3 >/dev/null; then python3 wind.py; fi
+if command -v python3 >/dev/null; then python3 @LOOK@; fi
 )TEXT";
 
 inline constexpr const char* kWindPy = R"TEXT(#!/usr/bin/env python3
@@ -157,6 +157,7 @@ import struct
 import zlib
 
 REFERENCE = @SPEED@  # m/s at @HEIGHT@ m
+SAMPLE_HEIGHT, SPACING = @SAMPLE_HEIGHT@, @SPACING@  # of the points where people are [m]
 COLOURS = [(48, 18, 59), (70, 107, 227), (27, 208, 213), (122, 252, 98), (249, 186, 57), (240, 91, 18), (122, 4, 3)]
 
 
@@ -237,6 +238,20 @@ def draw(path, speeds, spacing, most):
     png(path, rows)
 
 
+def people(case):
+    """{(x, y): (z, speed)} of the points of the last time; empty if there are none."""
+    found = [path for path in case.glob("postProcessing/pedestrian/*/*") if "U" in path.name or path.suffix == ".xy"]
+    points = {}
+    if not found:
+        return points
+    for line in max(found, key=lambda path: float(path.parent.name)).read_text().splitlines():
+        words = line.split()
+        if len(words) >= 6 and not words[0].startswith("#"):
+            x, y, z, *u = map(float, words[:6])
+            points[x, y] = z, math.sqrt(sum(c * c for c in u))
+    return points
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("case", nargs="?", default=pathlib.Path(__file__).parent, type=pathlib.Path)
@@ -266,24 +281,14 @@ def main():
             print(f"flux          {entering:.6g} m3/s enter; imbalance {abs(math.fsum(sums.values())) / entering:.1e}")
     most = fastest(last / "U")
     print(f"fastest cell  {most:.2f} m/s, {most / REFERENCE:.2f} times the reference")
-    found = sorted(path for path in case.glob("postProcessing/pedestrian/*/*") if "U" in path.name or
-                   path.suffix == ".xy")
-    if not found:
-        return
-    newest = max(found, key=lambda path: float(path.parent.name))
-    speeds = {}
-    for line in newest.read_text().splitlines():
-        words = line.split()
-        if len(words) >= 6 and not words[0].startswith("#"):
-            x, y, _, *u = map(float, words[:6])
-            speeds[x, y] = math.sqrt(sum(c * c for c in u))
+    speeds = {place: speed for place, (_, speed) in people(case).items()}
     if not speeds:
         return
     ordered = sorted(speeds.values())
     share = [ordered[min(int(p * len(ordered)), len(ordered) - 1)] for p in (0.1, 0.5, 0.9, 0.99)]
-    print(f"pedestrians   {len(ordered)} points @SAMPLE_HEIGHT@ m above the ground: mean {math.fsum(ordered) / len(ordered):.2f} m/s; "
+    print(f"pedestrians   {len(ordered)} points {SAMPLE_HEIGHT:g} m above the ground: mean {math.fsum(ordered) / len(ordered):.2f} m/s; "
           "10, 50, 90, 99 % are below {:.2f}, {:.2f}, {:.2f}, {:.2f}".format(*share))
-    draw(case / "pedestrian.png", speeds, @SPACING@, arguments.max)
+    draw(case / "pedestrian.png", speeds, SPACING, arguments.max)
     print(f"picture       {case / 'pedestrian.png'}: 0 to {arguments.max:g} m/s, north up, buildings grey")
 
 

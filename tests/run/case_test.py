@@ -1,6 +1,6 @@
 """Cases for solvers: the wind at their inlets against its formula, and whether solvers run them.
 
-case_test.py PROGRAM inlet|surfaces|openfoam|fenicsx; exit 77 where the solver is not installed.
+case_test.py PROGRAM inlet|rose|surfaces|openfoam|fenicsx; exit 77 where the solver is not installed.
 """
 
 import array
@@ -129,6 +129,69 @@ def check_inlet(program, folder):
     assert "xmin outlet, xmax inlet, ymin slip, ymax slip" in said, said
     assert "incompressibleFluid" in (case / "system/controlDict").read_text()
     assert "viscosityModel" in (case / "constant/physicalProperties").read_text()
+
+
+def check_rose(program, folder):
+    """A case for each wind over one mesh, and the table of all: its numbers from files with known speeds."""
+    case = city(program, folder, "openfoam", "--domain", "cylinder", "--sectors", 12, "--far-size", 60)
+    single = folder / "single"
+    shutil.copytree(case / "constant", single / "constant")
+    run(program, "case", "openfoam", single, *CASE)
+    several = [*CASE[:3], "30,240,337.5", *CASE[4:], "--iterations", 2]
+    said = run(program, "case", "openfoam", case, *several)
+    assert "3 directions: w030 to w337.5" in said, said
+    winds = ["w030", "w240", "w337.5"]
+    for wind in winds:
+        link = case / wind / "constant/polyMesh"
+        assert link.is_symlink() and not os.path.isabs(os.readlink(link)), link
+        assert os.access(case / wind / "Allrun", os.X_OK) and os.access(case / "Allrun", os.X_OK)
+        assert not (case / wind / "system/pedestrian").exists()
+    for name in "U", "p", "k", "epsilon", "nut":
+        assert (case / "w240/0" / name).read_bytes() == (single / "0" / name).read_bytes(), name
+        assert name in ("p", "k", "nut") or (case / "w030/0" / name).read_bytes() != (single / "0" / name).read_bytes(), name
+    assert (case / "system/pedestrian").read_bytes() == (single / "system/pedestrian").read_bytes()
+    for more, status in ([], 2), (["--overwrite"], 0):
+        assert subprocess.run([str(w) for w in (program, "case", "openfoam", case, *several, *more)],
+                              capture_output=True).returncode == status, more
+    for wrong, says in (["--wind-from", "30,390"], "-360 and 360"), (["--wind-from", "-30,330"], "330 comes twice"), (
+            ["--wind-from", "30,"], "is not like"), (["--directions", 4, "--wind-from", 3], "excludes"):
+        done = subprocess.run([str(w) for w in (program, "case", "openfoam", case, *wrong, "--overwrite")],
+                              capture_output=True, text=True)
+        assert done.returncode == 2 and says in done.stderr, (wrong, done)
+    moved = case.rename(folder / "moved")  # links and programs find each other elsewhere
+    for wind in winds:
+        assert (moved / wind / "constant/polyMesh/points").samefile(moved / "constant/polyMesh/points")
+
+    if shutil.which("simpleFoam"):
+        said = run(moved / "Allrun", env={**os.environ, "FOAM_SIGFPE": "true"})
+        assert said.count("fastest cell") == 3 and "for 3 winds" in said, said
+        rows = (moved / "rose.csv").read_text().splitlines()
+        assert rows[0] == "x,y,z,w030,w240,w337.5,mean,highest,highest_from" and len(rows) > 1000, rows[:2]
+        assert (moved / "rose.png").read_bytes().startswith(b"\x89PNG")
+    # Known speeds: two points, of which one lies outside the mesh of the last wind.
+    speeds = {"w030": (3.0, 6.0), "w240": (4.5, 1.5), "w337.5": (6.0,)}
+    for wind, values in speeds.items():
+        shutil.rmtree(moved / wind / "postProcessing", ignore_errors=True)
+        at = moved / wind / "postProcessing/pedestrian/2"
+        at.mkdir(parents=True)
+        (at / "grid_U.xy").write_text("# x y z U\n" + "".join(f"{2 * i + 1} 1 5 0 {v} 0\n" for i, v in enumerate(values)))
+    run(sys.executable, moved / "rose.py")
+    table = [row.split(",") for row in (moved / "rose.csv").read_text().splitlines()]
+    assert [list(map(float, row)) for row in table[1:]] == [[1, 1, 5, 0.5, 0.75, 1, 0.75, 1, 337.5]], table
+    (moved / "w337.5/postProcessing/pedestrian/2/grid_U.xy").unlink()
+    said = run(sys.executable, moved / "rose.py")
+    assert "left out: w337.5" in said and "2 points" in said, said
+    (moved / "frequencies.csv").write_text("direction,frequency,speed,shape\n40,30,4,\n230,60,8,2.5\n240,10,5,2\n")
+    said = run(sys.executable, moved / "rose.py")
+    assert "10 degrees" in said and "NEN 8100" in said, said
+    table = [row.split(",") for row in (moved / "rose.csv").read_text().splitlines()]
+    assert table[0][3:] == ["w030", "w240", "mean_speed", "above_5"], table
+    for row, (first, second) in zip(table[1:], ((0.5, 0.75), (1, 0.25))):
+        times = [(0.3, 4 * first, 2), (0.6, 8 * second, 2.5), (0.1, 5 * second, 2)]
+        mean = sum(share * speed for share, speed, _ in times)
+        windy = sum(share * math.exp(-(5 / (speed / math.gamma(1 + 1 / shape)))**shape) for share, speed, shape in times)
+        assert math.isclose(float(row[5]), mean, rel_tol=1e-4) and math.isclose(float(row[6]), windy, rel_tol=1e-4), row
+    assert (moved / "above.png").exists()
 
 
 def check_openfoam(program, folder):

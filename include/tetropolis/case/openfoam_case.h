@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -66,5 +67,18 @@ struct OpenfoamCase {
 /// `overwrite`; kInput for a mesh that is missing or is none, and files that cannot be written.
 OpenfoamCase write_openfoam_case(const std::filesystem::path& folder,
                                  const OpenfoamCaseOptions& options);
+
+/// "w045", "w022.5": the folder of the wind from there [degrees].
+std::string folder_of_wind(double from);
+
+/// The same for several winds over one mesh, that of a cylinder as a rule: a case in a folder of
+/// `folder` for each (`folder_of_wind`), whose constant/polyMesh is a relative link to the mesh;
+/// beside them an Allrun for all, and rose.py, which puts the wind of all where people are into one
+/// table. `from` is where the winds come from [degrees], other than `options.wind.from`, which is
+/// not looked at. What is returned is in its order. Errors: as above; kUsage, too, for no wind, and
+/// for one that comes twice.
+std::vector<OpenfoamCase> write_openfoam_cases(const std::filesystem::path& folder,
+                                               const OpenfoamCaseOptions& options,
+                                               std::span<const double> from);
 
 }  // namespace tetropolis

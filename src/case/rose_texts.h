@@ -1,0 +1,148 @@
+// Files of cases of several winds over one mesh. Private to src/case.
+#pragma once
+
+namespace tetropolis::foam_texts {
+
+inline constexpr const char* kAllrunWinds = R"TEXT(#!/bin/sh
+# Solves the cases of all winds, one after the other:   ./Allrun, or ./Allrun 8 by eight processes each
+# Then rose.py puts the wind of all where people are into one table.
+cd "${0%/*}" || exit 1
+failed=
+for wind in @WINDS@; do
+  echo "== $wind"
+  "./$wind/Allrun" "$@" || failed="$failed $wind"
+done
+if command -v python3 >/dev/null; then python3 rose.py; fi
+if [ -n "$failed" ]; then
+  echo "failed:$failed" >&2
+  exit 1
+fi
+)TEXT";
+
+inline constexpr const char* kRosePy = R"TEXT(#!/usr/bin/env python3
+"""The wind of all directions where people are: rose.csv, pictures, and how often it is too windy.
+
+python3 rose.py [--frequencies FILE] [--threshold SPEED]   needs Python alone.
+
+rose.csv: per point the speed over that of the undisturbed wind, for the wind from each direction (w045).
+Without FILE also their mean, and the highest and where it comes from.
+FILE (frequencies.csv beside this program, if it is there) is a table with a heading:
+    direction,frequency,speed[,shape]
+with how often the wind comes from there (any unit), its mean speed at the height of the cases' wind [m/s], and the
+shape of its Weibull distribution (2 if it is not given, Rayleigh's). A row belongs to the nearest direction solved.
+With it: the mean speed, and the share of time above the threshold (5 m/s: NEN 8100).
+"""
+import argparse
+import csv
+import math
+import pathlib
+
+from wind import REFERENCE, SPACING, draw, people
+
+WINDS = "@WINDS@".split()
+CLASSES = [("A", 0.025), ("B", 0.05), ("C", 0.1), ("D", 0.2), ("E", math.inf)]  # NEN 8100: share of time above 5 m/s
+
+
+def read_frequencies(path, solved):
+    """[(solved direction, share of time, mean speed, shape)]"""
+    rows = []
+    with open(path, newline="") as file:
+        for number, row in enumerate(csv.DictReader(file), 2):
+            try:
+                rows.append((float(row["direction"]), float(row["frequency"]), float(row["speed"]),
+                             float(row.get("shape") or 2)))
+                good = rows[-1][1] >= 0 and rows[-1][2] >= 0 and rows[-1][3] > 0
+            except (KeyError, TypeError, ValueError):
+                good = False
+            if not good:
+                raise SystemExit(f"{path}: line {number} is not direction,frequency,speed in numbers above 0")
+    total = math.fsum(row[1] for row in rows)
+    if not total > 0:
+        raise SystemExit(f"{path}: its frequencies sum to 0")
+    matched, farthest = [], 0
+    for direction, frequency, speed, shape in rows:
+        off, nearest = min((abs((float(wind[1:]) - direction + 180) % 360 - 180), wind) for wind in solved)
+        farthest = max(farthest, off)
+        matched.append((nearest, frequency / total, speed, shape))
+    if farthest > 0:
+        print(f"note          directions of {path.name} are up to {farthest:g} degrees from those solved")
+    return matched
+
+
+def above(threshold, mean, shape):
+    """Share of time above a speed."""
+    if mean <= 0:
+        return 0
+    return math.exp(-(threshold * math.gamma(1 + 1 / shape) / mean) ** shape)
+
+
+def main():
+    folder = pathlib.Path(__file__).parent
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--frequencies", type=pathlib.Path, help="table of direction,frequency,speed[,shape]")
+    parser.add_argument("--threshold", type=float, default=5, help="too windy above [m/s]")
+    arguments = parser.parse_args()
+    frequencies = arguments.frequencies
+    if frequencies is None and (folder / "frequencies.csv").exists():
+        frequencies = folder / "frequencies.csv"
+
+    found = {wind: people(folder / wind) for wind in WINDS}
+    missing = [wind for wind in WINDS if not found[wind]]
+    solved = [wind for wind in WINDS if found[wind]]
+    if not solved:
+        raise SystemExit(f"{folder}: no wind is solved yet: ./Allrun")
+    if missing:
+        print(f"note          not solved, and left out: {' '.join(missing)}")
+    places = sorted(set.intersection(*(set(points) for points in found.values() if points)), key=lambda p: (p[1], p[0]))
+    ratios = {p: [found[wind][p][1] / REFERENCE for wind in solved] for p in places}
+
+    columns = {}
+    if frequencies:
+        rows = [(solved.index(wind), share, speed, shape)
+                for wind, share, speed, shape in read_frequencies(frequencies, solved)]
+        columns["mean_speed"] = {p: math.fsum(share * r[i] * speed for i, share, speed, _ in rows)
+                                 for p, r in ratios.items()}
+        columns[f"above_{arguments.threshold:g}"] = {
+            p: math.fsum(share * above(arguments.threshold, r[i] * speed, shape) for i, share, speed, shape in rows)
+            for p, r in ratios.items()}
+    else:
+        columns["mean"] = {p: math.fsum(r) / len(r) for p, r in ratios.items()}
+        columns["highest"] = {p: max(r) for p, r in ratios.items()}
+        columns["highest_from"] = {p: float(solved[r.index(max(r))][1:]) for p, r in ratios.items()}
+
+    with open(folder / "rose.csv", "w", newline="") as file:
+        table = csv.writer(file)
+        table.writerow(["x", "y", "z", *solved, *columns])
+        for p in places:
+            table.writerow([f"{p[0]:.10g}", f"{p[1]:.10g}", f"{found[solved[0]][p][0]:.8g}",
+                            *(f"{r:.4f}" for r in ratios[p]), *(f"{column[p]:.5g}" for column in columns.values())])
+    print(f"table         {folder / 'rose.csv'}: {len(places)} points, speed over {REFERENCE:g} m/s for {len(solved)} winds")
+
+    def show(name, values, most, what):
+        path = folder / f"{name}.png"
+        draw(path, values, SPACING, most)
+        print(f"picture       {path}: {what}, north up, buildings grey")
+
+    if frequencies:
+        speed, windy = columns.values()
+        show("rose", speed, 5, "mean speed, 0 to 5 m/s")
+        show("above", windy, 0.2, f"share of time above {arguments.threshold:g} m/s, 0 to 20 %")
+        mean = math.fsum(speed.values()) / len(speed)
+        print(f"pedestrians   mean speed {mean:.2f} m/s; "
+              f"{100 * math.fsum(windy.values()) / len(windy):.2f} % of the time above {arguments.threshold:g} m/s")
+        if arguments.threshold == 5:
+            shares, least = [], -1
+            for name, most in CLASSES:
+                count = sum(least < value <= most for value in windy.values())
+                shares.append(f"{name} {100 * count / len(windy):.1f} %")
+                least = most
+            print(f"NEN 8100      {', '.join(shares)} of the ground")
+    else:
+        show("rose", columns["mean"], 1, "mean of all winds over the undisturbed one, 0 to 1")
+
+
+if __name__ == "__main__":
+    main()
+)TEXT";
+
+}  // namespace tetropolis::foam_texts
