@@ -74,10 +74,10 @@ void tell(const CaseArguments& arguments, const std::vector<OpenfoamCase>& cases
   const Wind& wind = options.wind;
   const OpenfoamCase& made = cases.front();
   if (arguments.winds.size() > 1) {
-    console.result(fmt::format("wind     {} m/s at {} m over roughness {} m, {} directions: {} to {}",
-                               wind.speed, wind.height, wind.roughness, cases.size(),
-                               folder_of_wind(arguments.winds.front()),
-                               folder_of_wind(arguments.winds.back())));
+    console.result(fmt::format(
+        "wind     {} m/s at {} m over roughness {} m, {} directions: {} to {}", wind.speed,
+        wind.height, wind.roughness, cases.size(), folder_of_wind(arguments.winds.front()),
+        folder_of_wind(arguments.winds.back())));
   } else {
     console.result(fmt::format("wind     {} m/s at {} m from {} degrees over roughness {} m",
                                wind.speed, wind.height, wind.from, wind.roughness));
@@ -102,8 +102,7 @@ void tell(const CaseArguments& arguments, const std::vector<OpenfoamCase>& cases
   if (std::any_of(cases.begin(), cases.end(), [](const OpenfoamCase& one) {
         return std::any_of(one.sides.begin(), one.sides.end(), is_of_other_wind);
       }))
-    console.line(
-        "note     the domain is a box for another wind: --domain cylinder is one for all");
+    console.line("note     the domain is a box for another wind: --domain cylinder is one for all");
   console.result(
       fmt::format("solve    {}/Allrun, or Allrun 8 with eight processes", arguments.folder));
 }

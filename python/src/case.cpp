@@ -49,7 +49,8 @@ nb::dict dict_of(const OpenfoamCase& made) {
 
 /// One of `from`: a case in the folder; `several`: one in a folder of it for each.
 nb::list case_openfoam(const std::filesystem::path& folder, double speed,
-                       const std::vector<double>& from, bool several, double height, double roughness, double ground,
+                       const std::vector<double>& from, bool several, double height,
+                       double roughness, double ground,
                        const std::map<std::string, double>& patches, double building,
                        double sample_height, double sample_spacing, int iterations,
                        const std::string& dialect, bool overwrite) {

@@ -525,10 +525,9 @@ void add_shared_files(const OpenfoamCaseOptions& options, const SamplePoints& sa
 }
 
 std::string allrun(const OpenfoamCaseOptions& options, const char* look) {
-  return replaced(
-      foam_texts::kAllrun,
-      {{"@SOLVER@", options.dialect == FoamDialect::kOrg ? "foamRun" : "simpleFoam"},
-       {"@LOOK@", look}});
+  return replaced(foam_texts::kAllrun,
+                  {{"@SOLVER@", options.dialect == FoamDialect::kOrg ? "foamRun" : "simpleFoam"},
+                   {"@LOOK@", look}});
 }
 
 void let_run(const fs::path& script) {
