@@ -49,7 +49,11 @@ for (const [name, options] of Object.entries(cities)) {
         next += 4;
       }
     }
-    assert.deepEqual(mesh.upper.cells, Int32Array.from(vtu.cells.subarray(next), Number));
+    // Those above in an order of their own.
+    const sorted = (cells) => Array.from({length: cells.length / 4}, (_, c) => [...cells.subarray(4 * c, 4 * c + 4)].map(Number).sort((a, b) => a - b).join(' ')).sort();
+    const above = sorted(mesh.upper.cells);
+    if (name !== 'uniform layers') assert.ok(above.length > 1000);
+    assert.deepEqual(above, sorted(vtu.cells.subarray(next)));
 
     // The surface has the faces of the boundary.
     const {makeSurface} = await load(folder, 'mesh/surface.ts');

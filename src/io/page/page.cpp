@@ -193,9 +193,10 @@ void add_columns(const ColumnMesh& mesh, bool floors_only, Payload& payload) {
   payload.add("z", columns.z);
   payload.add("odd", columns.odd);
   payload.add("steps", columns.steps);
-  payload.add("upperVertex", columns.upper_vertex);
-  payload.add("upperZ", columns.upper_z);
-  payload.add("upperCells", columns.upper_cells);
+  payload.add("upperCount", columns.upper.count);
+  payload.add("upperRise", columns.upper.rise);
+  payload.add("upperWait", columns.upper.wait);
+  payload.add("upperSplits", columns.upper.splits);
 }
 
 }  // namespace

@@ -168,24 +168,6 @@ void add_odd(const ColumnMesh& mesh, const std::vector<double>& read, PageColumn
   }
 }
 
-void add_upper(const ColumnMesh& mesh, PageColumns& columns) {
-  const UpperMesh& upper = mesh.upper;
-  std::vector<std::int32_t> below;  // per vertex
-  for (const VertexIndex v : mesh.ground.vertices.indices())
-    below.push_back(page_steps(mesh.z[mesh.top(v)]));
-  std::int32_t vertex = 0, first = 0;
-  for (std::size_t i = 0; i < upper.points.size(); ++i) {
-    const VertexIndex v = upper.vertex[i];
-    columns.upper_vertex.push_back(difference(static_cast<std::int32_t>(v.value()), vertex));
-    columns.upper_z.push_back(difference(page_steps(upper.points[i][2]), below[v]));
-  }
-  for (const auto& cell : upper.cells) {
-    columns.upper_cells.push_back(difference(static_cast<std::int32_t>(cell[0].value()), first));
-    for (std::size_t k = 1; k < cell.size(); ++k)
-      columns.upper_cells.push_back(static_cast<std::int32_t>(cell[k] - cell[0]));
-  }
-}
-
 }  // namespace
 
 PageColumns page_columns(const ColumnMesh& mesh, bool floors_only) {
@@ -195,7 +177,7 @@ PageColumns page_columns(const ColumnMesh& mesh, bool floors_only) {
   for (const VertexIndex v : mesh.ground.vertices.indices()) elevations.add(v);
   if (floors_only) return columns;
   add_odd(mesh, elevations.read(), columns);
-  add_upper(mesh, columns);
+  columns.upper = page_upper(mesh, elevations.read());
   return columns;
 }
 

@@ -11,6 +11,8 @@
 
 #include "tetropolis/volume/column/column_mesh.h"
 
+#include "page_upper.h"
+
 namespace tetropolis {
 
 /// Metres.
@@ -41,10 +43,7 @@ struct PageColumns {
   std::vector<std::int32_t> odd;       ///< Triangles whose columns, rounded, climb in another order
                                        ///< than the mesh's: less the one before.
   std::vector<std::uint8_t> steps;     ///< For each of these, upwards, the corner that goes next.
-  std::vector<std::int32_t> upper_vertex;  ///< Per node above the lid: less that of the one before.
-  std::vector<std::int32_t> upper_z;      ///< Per such node: elevation less that of the node below.
-  std::vector<std::int32_t> upper_cells;  ///< Four nodes per cell above the lid: the first less
-                                          ///< that of the cell before, the others less the first.
+  PageUpper upper;
 };
 
 /// All columns, or with `floors_only` those nodes alone that are floors of their regions.

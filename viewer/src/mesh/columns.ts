@@ -2,6 +2,7 @@
 // rebuilt from the blocks that src/io/page/page_columns.h describes.
 
 import {addUp, type Blocks, inflate, readIntegers} from '../payload.js';
+import {climbUpper, noUpper, type UpperMesh} from './upper.js';
 
 /** Lengths are whole numbers of steps (millimetres), local frame. */
 export interface ColumnMesh {
@@ -23,16 +24,6 @@ export interface ColumnMesh {
   oddStart: Int32Array | null;
   steps: Uint8Array;
   upper: UpperMesh;
-}
-
-/** Explicit cells above the columns. Their nodes are numbered after those of the columns. */
-export interface UpperMesh {
-  /** Per node above: the vertex below it. */
-  vertex: Int32Array;
-  /** Per node above: its elevation. */
-  z: Int32Array;
-  /** Four nodes per cell. */
-  cells: Int32Array;
 }
 
 export const triangleCount = (mesh: ColumnMesh): number => mesh.region.length;
@@ -128,20 +119,7 @@ function addRoofs(roof: Int32Array, regionBuilding: Int32Array): Int32Array {
 }
 
 const kArrays = ['x', 'y', 'corners', 'region', 'regionBuilding', 'roof', 'count', 'floor', 'z',
-                 'odd', 'upperVertex', 'upperZ', 'upperCells'] as const;
-
-/** Adds what was taken off from numbers of the nodes and cells above columns, in place. */
-function addUpper(mesh: ColumnMesh): void {
-  const {vertex, z, cells} = mesh.upper;
-  addUp(vertex);
-  const below = new Int32Array(mesh.x.length);
-  for (let v = 0; v < below.length; ++v) below[v] = mesh.z[mesh.first[v + 1] - 1];
-  for (let i = 0; i < z.length; ++i) below[vertex[i]] = z[i] += below[vertex[i]];
-  for (let c = 0, before = 0; c < cells.length; c += 4) {
-    before = cells[c] += before;
-    for (let k = 1; k < 4; ++k) cells[c + k] += before;
-  }
-}
+                 'odd', 'upperCount', 'upperRise', 'upperWait'] as const;
 
 /** Corners of cell number c above columns: positions in steps. */
 export function upperCorners(mesh: ColumnMesh, c: number, p: Float64Array): void {
@@ -170,7 +148,8 @@ export const upperCount = (mesh: ColumnMesh): number => mesh.upper.cells.length 
 
 /** `withTop`: whether the page has whole columns, or their floors alone. */
 export async function readColumns(blocks: Blocks, withTop: boolean): Promise<ColumnMesh> {
-  const [a, steps] = await Promise.all([readIntegers(blocks, kArrays), inflate(blocks['steps'])]);
+  const [a, steps, splits] =
+      await Promise.all([readIntegers(blocks, kArrays), inflate(blocks['steps']), inflate(blocks['upperSplits'])]);
   const {corners} = a;
   for (let c = 0, before = 0; c < corners.length; c += 3) {
     before = corners[c] += before;
@@ -184,13 +163,14 @@ export async function readColumns(blocks: Blocks, withTop: boolean): Promise<Col
   const mesh: ColumnMesh = {
     x: addUp(a.x), y: addUp(a.y), corners, region: addUp(a.region), regionBuilding: a.regionBuilding,
     first, z: a.z, floor: new Int32Array(0), oddStart: null, steps,
-    upper: {vertex: a.upperVertex, z: a.upperZ, cells: a.upperCells},
+    upper: noUpper(),
   };
   const around = regionsAtVertices(vertices, corners, mesh.region);
   const floors = floorPositions(around, a.floor);
   addElevations(mesh, around, floors, addRoofs(a.roof, mesh.regionBuilding), withTop);
   mesh.floor = floorNodes(mesh, around, floors);
-  addUpper(mesh);
+  if (a.upperCount.length > 0)
+    mesh.upper = climbUpper(mesh, {count: addUp(a.upperCount), rise: a.upperRise, wait: a.upperWait, splits});
   if (a.odd.length > 0) {
     mesh.oddStart = new Int32Array(triangleCount(mesh)).fill(-1);
     let start = 0;
