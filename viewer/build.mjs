@@ -1,5 +1,6 @@
-// node build.mjs [--check]: makes dist/viewer.html, one file with all of the page but its data; with
-// --check compares it with the one that is there instead.
+// node build.mjs [--check]: makes dist/viewer.html, one file with all of the page but its data, and after
+// a mark its program, which src/io/page packs with the data; with --check compares it with the one that
+// is there instead.
 import {readFile, writeFile} from 'node:fs/promises';
 import {fileURLToPath} from 'node:url';
 import {build} from 'esbuild';
@@ -21,8 +22,8 @@ const [page, style, code, licence] = await Promise.all([
   readFile(at('node_modules/three/LICENSE'), 'utf8'),
 ]);
 const notice = `three.js, which is part of this page:\n\n${licence.trim()}\n`;
-const parts = {STYLE: style, CODE: code.replaceAll('</script', '<\\/script'), LICENCE: notice};
-const html = page.replace(/@@(STYLE|CODE|LICENCE)@@/g, (_, name) => parts[name]);
+const parts = {STYLE: style, LICENCE: notice};
+const html = page.replace(/@@(STYLE|LICENCE)@@/g, (_, name) => parts[name]) + code;
 
 const target = at('dist/viewer.html');
 if (process.argv.includes('--check')) {

@@ -216,12 +216,13 @@ std::string page_html(const PageContents& contents, std::int64_t most_cells) {
   after.write(payload, {"afterRings", "afterPoints", "afterX", "afterY"});
   before.write(payload, {"beforeRings", "beforePoints", "beforeX", "beforeY"});
 
-  constexpr std::string_view mark = "@@TETROPOLIS@@";
+  constexpr std::string_view data_mark = "@@TETROPOLIS@@", program_mark = "@@PROGRAM@@\n";
   const std::string_view page = page_template();
-  const std::size_t place = page.find(mark);
-  std::string html(page.substr(0, place));
+  const std::size_t data = page.find(data_mark), program = page.find(program_mark);
+  payload.add("program", std::string(page.substr(program + program_mark.size())));
+  std::string html(page.substr(0, data));
   html += payload.text();
-  return html.append(page.substr(place + mark.size()));
+  return html.append(page.substr(data + data_mark.size(), program - data - data_mark.size()));
 }
 
 }  // namespace tetropolis

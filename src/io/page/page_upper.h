@@ -21,12 +21,12 @@ namespace tetropolis {
 
 /// Column by column, upwards. Lengths in page_steps().
 struct PageUpper {
-  std::vector<std::int32_t> count;   ///< Per vertex: twice the nodes above the lid, and one more if
-                                     ///< the column ends; less that of the one before.
-  std::vector<std::int32_t> rise;    ///< Per node: elevation less what even segments give; of the
-                                     ///< last less the last of the column before that goes so far.
-  std::vector<std::int32_t> wait;    ///< Per step: in eighths, rounded down, of what its key is
-                                     ///< above twice the elevation of its node, or in page_steps().
+  std::vector<std::int32_t> count;  ///< Per vertex: twice the nodes above the lid, and one more if
+                                    ///< the column ends; less that of the one before.
+  std::vector<std::int32_t> rise;   ///< Per node: elevation less what even segments give; of the
+                                    ///< last less the last of the column before that goes so far.
+  std::vector<std::int32_t> wait;   ///< Per step: in eighths, rounded down, of what its key is
+                                    ///< above twice the elevation of its node, or in page_steps().
   /// Per step that ends, as they are taken: how the hole is covered. Its corners count from the
   /// vertex with the lowest number on, counter-clockwise. On the chord from the last to the first,
   /// and then on those of the two parts that are left, the first part first, stands a triangle:

@@ -44,6 +44,20 @@ function twinsOf(corners: Int32Array, vertices: number): Int32Array {
   return twins;
 }
 
+/** Numbers of the values, which are whole and less than 2^32 above the lowest, in their order. */
+function ascending(values: Float64Array, lowest: number): Uint32Array {
+  let order = Uint32Array.from(values, (_, i) => i), other = new Uint32Array(order.length);
+  for (const shift of [0, 16]) {
+    const place = new Uint32Array(65537);
+    const digit = (i: number): number => ((values[i] - lowest) >>> shift) & 65535;
+    for (const i of order) ++place[digit(i) + 1];
+    for (let d = 0; d < 65536; ++d) place[d + 1] += place[d];
+    for (const i of order) other[place[digit(i)]++] = i;
+    [order, other] = [other, order];
+  }
+  return order;
+}
+
 /** The front: triangles between columns, and the node at which each column is. */
 class Front {
   private readonly corners: Int32Array;
@@ -152,35 +166,39 @@ class Front {
 export function climbUpper(mesh: ColumnMesh, {count, rise: z, wait, splits}: UpperSteps): UpperMesh {
   const {first} = mesh, nodes = first[first.length - 1];
   const vertex = new Int32Array(z.length);
-  // By when they are due, and among these by their number.
+  // Per step.
   const due = new Float64Array(wait.length), stepVertex = new Int32Array(wait.length), stepNode = new Int32Array(wait.length);
-  let lowest = Infinity;
-  for (let v = 0, n = 0, s = 0, top = 0; v < count.length; ++v) {
-    const end = n + (count[v] >> 1), ends = (count[v] & 1) === 1;
+  let s = 0, n = 0, top = 0, lowest = Infinity;
+  for (let v = 0; v < count.length; ++v) {
+    const end = n + (count[v] >> 1), ends = count[v] & 1;
     let below = mesh.z[first[v + 1] - 2], at = mesh.z[first[v + 1] - 1];
-    const step = (ahead: number, node: number): void => {
+    for (let k = n; k < end + ends; ++k, ++s) {
+      let up = at, ahead = Math.floor((at - below) * 9 / 5), node = -1;
+      if (k < end) {
+        const isLast = k + 1 === end && ends === 0;
+        up = z[k] += isLast ? top : 2 * at - below;
+        if (isLast) top = up;
+        ahead = up - at;
+        node = nodes + k;
+        vertex[k] = v;
+      }
       due[s] = 2 * at + ahead + wait[s] * Math.max(1, Math.floor(ahead / 8));
       lowest = Math.min(lowest, due[s]);
       stepVertex[s] = v;
-      stepNode[s++] = node;
-    };
-    for (; n < end; ++n) {
-      const isLast = n + 1 === end && !ends;
-      const up = z[n] += isLast ? top : 2 * at - below;
-      if (isLast) top = up;
-      vertex[n] = v;
-      step(up - at, nodes + n);
-      [below, at] = [at, up];
+      stepNode[s] = node;
+      below = at;
+      at = up;
     }
-    if (ends) step(Math.floor((at - below) * 9 / 5), -1);
+    n = end;
   }
-  for (let s = 0; s < due.length; ++s) due[s] = (due[s] - lowest) * due.length + s;
-  due.sort();
-  const front = new Front(mesh, splits);
-  for (const key of due) {
-    const s = key % due.length;
-    if (stepNode[s] < 0) front.end(stepVertex[s]);
-    else front.rise(stepVertex[s], stepNode[s]);
+  return {vertex, z, cells: replay(new Front(mesh, splits), ascending(due, lowest), stepVertex, stepNode)};
+}
+
+/** Takes the steps in this order; returns their cells. */
+function replay(front: Front, order: Uint32Array, vertex: Int32Array, node: Int32Array): Int32Array {
+  for (const s of order) {
+    if (node[s] < 0) front.end(vertex[s]);
+    else front.rise(vertex[s], node[s]);
   }
-  return {vertex, z, cells: front.get()};
+  return front.get();
 }
