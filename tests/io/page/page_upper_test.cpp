@@ -116,9 +116,8 @@ Climbed climb(const ColumnMesh& mesh, const std::vector<double>& z, const PageUp
     }
     std::vector<std::size_t> ring{std::min_element(sides.begin(), sides.end())->first};
     while (ring.size() < sides.size()) {
-      const auto next = std::find_if(sides.begin(), sides.end(), [&](const auto& side) {
-        return side.first == ring.back();
-      });
+      const auto next = std::find_if(sides.begin(), sides.end(),
+                                     [&](const auto& side) { return side.first == ring.back(); });
       if (next == sides.end()) throw std::runtime_error("the end of a column at the rim");
       ring.push_back(next->second);
     }
