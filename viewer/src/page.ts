@@ -2,7 +2,7 @@
 
 import {Vector3} from 'three';
 import {MapView, type MapHit} from './map/map_view.js';
-import {triangleCount} from './mesh/columns.js';
+import {kSurfaceKinds, triangleCount} from './mesh/columns.js';
 import {findCell} from './mesh/find_cell.js';
 import {leastAngles} from './mesh/quality.js';
 import {type Axis, cutCells, cutSolids} from './mesh/section.js';
@@ -92,8 +92,11 @@ export class Page {
     let down: PointerEvent | null = null, hover: PointerEvent | null = null;
     canvas.addEventListener('pointerdown', (event) => { down = event; });
     canvas.addEventListener('pointerup', (event) => {
-      if (down !== null && Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) < 5)
-        this.select(view.pickBuilding(event.clientX, event.clientY), false);
+      if (down !== null && Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) < 5) {
+        const picked = view.pickRegion(event.clientX, event.clientY);
+        this.select(Math.max(-1, picked), false);
+        if (picked < -1) this.hover(event);
+      }
       down = null;
     });
     canvas.addEventListener('dblclick', (event) => {
@@ -271,10 +274,10 @@ export class Page {
 
   private hover(event: PointerEvent): void {
     if (this.showsMap) return;
-    const building = this.view.pickBuilding(event.clientX, event.clientY);
+    const building = this.view.pickRegion(event.clientX, event.clientY);
     this.view.setHovered(building);
     byId('city').classList.toggle('on-building', building >= 0);
-    this.tip(building < 0 ? null : this.tellBuilding(building), event.clientX, event.clientY);
+    this.tip(building === -1 ? null : building < 0 ? [kSurfaceKinds[-2 - building]] : this.tellBuilding(building), event.clientX, event.clientY);
   }
 
   private tellBuilding(building: number): Content {

@@ -8,6 +8,7 @@ const cities = {
   'blocks': {},
   'fine mesh': {build: ['--mesh-size', '4']},
   'random city on hills': {synth: ['--buildings', '40', '--size', '400', '--relief', '30', '--seed', '3']},
+  'surface layers': {surfaces: {water: [-10, 40, 310, 75], vegetation: [180, 180, 290, 250]}},
   'uniform layers': {build: ['--layering', 'uniform']},
 };
 
@@ -59,10 +60,16 @@ for (const [name, options] of Object.entries(cities)) {
     const {makeSurface} = await load(folder, 'mesh/surface.ts');
     const frame = {step: 0.001, centre: [0, 0, 0]};
     const surface = makeSurface(mesh, frame, -10000, new Int32Array(report.city.buildings));
-    const kinds = [0, 0, 0, 0];
-    for (let f = 0; f < surface.triangles; ++f) ++kinds[surface.feature[3 * f] & 3];
+    const kinds = [0, 0, 0, 0], ground = [0, 0, 0, 0];
+    for (let f = 0; f < surface.triangles; ++f) {
+      const kind = surface.feature[3 * f] & 3;
+      ++kinds[kind];
+      if (kind === 0) ++ground[-(surface.feature[3 * f] >> 5)];
+    }
     const faces = report.surface_mesh.faces_by_patch;
-    assert.deepEqual(kinds.slice(0, 3), [faces.ground, faces.roof, faces.wall]);
+    assert.deepEqual(kinds.slice(1, 3), [faces.roof, faces.wall]);
+    assert.deepEqual(ground, ['ground', 'water', 'road', 'vegetation'].map((patch) => faces[patch] ?? 0));
+    assert.equal(ground[1] > 0, 'surfaces' in options);
 
     // A section and the solids below it have the area of what they cut.
     const {cutCells, cutSolids} = await load(folder, 'mesh/section.ts');

@@ -8,7 +8,7 @@ import puppeteer from 'puppeteer-core';
 import {makeCity, readReport, readVtu} from './support.mjs';
 
 const folder = mkdtempSync(join(tmpdir(), 'tetropolis-page-'));
-const out = makeCity(folder);
+const out = makeCity(folder, {surfaces: {water: [-10, 40, 310, 75]}});
 const report = readReport(out);
 const said = [], asked = [];
 const chromium = process.env.CHROMIUM ?? '/usr/bin/chromium';
@@ -111,6 +111,14 @@ test('picks the building under the pointer', async () => {
   }
   // Beside the city there is nothing.
   await page.mouse.click(...(await toScreen([-200, 0, 0])));
+  assert.match(await text('#building'), /Click a building/);
+});
+
+test('names the surface layer under the pointer', async () => {
+  assert.match(await text('#legend'), /ground.*water.*roof/);
+  const [x, y] = await toScreen([-140, -90, 0]);
+  await page.mouse.click(x, y);
+  assert.equal(await text('#tip'), 'water');
   assert.match(await text('#building'), /Click a building/);
 });
 

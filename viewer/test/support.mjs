@@ -1,6 +1,6 @@
 // Runs of the program, the page's modules for node, and readers of what the program wrote.
 import {execFileSync} from 'node:child_process';
-import {mkdtempSync, readFileSync, rmSync} from 'node:fs';
+import {mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {fileURLToPath, pathToFileURL} from 'node:url';
@@ -16,10 +16,23 @@ export function temporaryFolder(test) {
 
 export const run = (...args) => execFileSync(program, [...args, '--quiet']);
 
+/** Rectangles (xmin, ymin, xmax, ymax; of synthetic cities, in metres from their corner) of surface layers, by kind. */
+function surfaceLayers(folder, surfaces) {
+  return Object.entries(surfaces).flatMap(([kind, [a, b, c, d]]) => {
+    const path = join(folder, `${kind}.geojson`);
+    writeFileSync(path, JSON.stringify({
+      type: 'FeatureCollection', crs: {type: 'name', properties: {name: 'urn:ogc:def:crs:EPSG::3006'}},
+      features: [{type: 'Feature', properties: {}, geometry: {type: 'Polygon', coordinates: [[[a, b], [c, b], [c, d], [a, d], [a, b]].map(([x, y]) => [319000 + x, 6396000 + y])]}}],
+    }));
+    return ['--surface-layers', `${path}:${kind}`];
+  });
+}
+
 /** A synthetic city in `folder`/in, meshed into `folder`/out. */
-export function makeCity(folder, {synth = ['--kind', 'blocks', '--size', '300', '--seed', '7'], build = []} = {}) {
+export function makeCity(folder, {synth = ['--kind', 'blocks', '--size', '300', '--seed', '7'], build = [], surfaces = {}} = {}) {
   const input = join(folder, 'in'), out = join(folder, 'out');
   run('synth', ...synth, '--out', input);
+  build = [...build, ...surfaceLayers(input, surfaces)];
   run('build', '--footprints', join(input, 'footprints.shp'), '--points', input, '--id-attribute', 'id', '--out', out, ...build);
   return out;
 }

@@ -6,6 +6,8 @@
 #include <span>
 #include <utility>
 
+#include "tetropolis/ground/surfaces.h"
+
 #include "core/parallel.h"
 
 namespace tetropolis {
@@ -29,7 +31,13 @@ void add_ground(const GroundMesh& ground, PageColumns& columns) {
     columns.corners.push_back(triangle[2] - triangle[0]);
   }
   for (const RegionIndex r : ground.region) columns.region.push_back(difference(r.value(), region));
-  for (const Region& r : ground.regions) columns.building.push_back(r.building.value());
+  for (const Region& r : ground.regions) {
+    const auto kind = std::find(kSurfaceKindNames.begin(), kSurfaceKindNames.end(),
+                                r.is_building() ? "" : ground.patches.of(r.floor).name);
+    columns.building.push_back(kind == kSurfaceKindNames.end()
+                                   ? r.building.value()
+                                   : -2 - static_cast<std::int32_t>(kind - kSurfaceKindNames.begin()));
+  }
 }
 
 /// Per region of a building its elevation in steps, at any of its vertices.

@@ -31,7 +31,8 @@ struct PageColumns {
   std::vector<std::int32_t> corners;   ///< Three per triangle: the first less that of the triangle
                                        ///< before, the others less the first.
   std::vector<std::int32_t> region;    ///< Per triangle: less that of the one before.
-  std::vector<std::int32_t> building;  ///< Per region; kNoBuilding: open ground.
+  std::vector<std::int32_t> building;  ///< Per region; kNoBuilding: open ground; -2 - k: a surface
+                                       ///< layer of kind k.
   std::vector<std::int32_t> roof;      ///< Per region of a building: elevation, less that of the
                                        ///< region before; 0 for others.
   std::vector<std::int32_t> count;     ///< Per vertex: nodes, less those of the one before.

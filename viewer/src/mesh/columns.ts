@@ -12,7 +12,7 @@ export interface ColumnMesh {
   corners: Int32Array;
   /** Per triangle. */
   region: Int32Array;
-  /** Per region: its building, -1 for open ground. */
+  /** Per region: its building, -1 for open ground, -2 - k for surface layers of kind k (kSurfaceKinds). */
   regionBuilding: Int32Array;
   /** Per vertex, and one more: its column has the nodes first[v] to first[v + 1] - 1. */
   first: Int32Array;
@@ -25,6 +25,9 @@ export interface ColumnMesh {
   steps: Uint8Array;
   upper: UpperMesh;
 }
+
+/** include/tetropolis/ground/surfaces.h */
+export const kSurfaceKinds = ['water', 'road', 'vegetation'] as const;
 
 export const triangleCount = (mesh: ColumnMesh): number => mesh.region.length;
 

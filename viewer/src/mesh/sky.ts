@@ -36,7 +36,7 @@ export function makeHeightGrid(mesh: ColumnMesh, frame: Frame, box: readonly num
       p[3 * k + 1] = ((mesh.y[v] - centre[1]) * step - grid.y) / cell;
       p[3 * k + 2] = (mesh.z[mesh.floor[3 * t + k]] - centre[2]) * step;
     }
-    fillTriangle(grid, p, mesh.regionBuilding[mesh.region[t]] + 1);
+    fillTriangle(grid, p, Math.max(0, mesh.regionBuilding[mesh.region[t]] + 1));
   }
   fillGaps(grid);
   return grid;

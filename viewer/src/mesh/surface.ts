@@ -17,7 +17,7 @@ export interface Surface {
   position: Float32Array;
   /** Unit vectors times 127, and the height above the foot of the building in half metres, to 127. */
   normal: Int8Array;
-  /** Kind, from kOutlineBit on which of the triangle's edges are outlines, from kBuildingBit on the building plus one. */
+  /** Kind, from kOutlineBit on which of the triangle's edges are outlines, from kBuildingBit on ColumnMesh's regionBuilding plus one. */
   feature: Int32Array;
   /** Per triangle: the ground triangle that its cell stands over. */
   over: Int32Array;
@@ -65,7 +65,7 @@ export class SurfaceBuilder {
     const wx = x[vc] - x[va], wy = y[vc] - y[va], wz = zc - za;
     const nx = uy * wz - uz * wy, ny = uz * wx - ux * wz, nz = ux * wy - uy * wx;
     const scale = 127 / Math.max(Math.hypot(nx, ny, nz), 1e-9);
-    const foot = building === kNoBuilding ? za : this.foot[building];
+    const foot = building < 0 ? za : this.foot[building];
     for (let i = 0; i < 3; ++i) {
       const n = 4 * (3 * this.triangles + i);
       normal[n] = Math.round(nx * scale);
@@ -112,7 +112,7 @@ function addFloors(mesh: ColumnMesh, builder: SurfaceBuilder): void {
   for (let t = 0, c = 0; t < triangleCount(mesh); ++t, c += 3) {
     const building = mesh.regionBuilding[mesh.region[t]];
     builder.add(corners[c], z[floor[c]], corners[c + 1], z[floor[c + 1]], corners[c + 2], z[floor[c + 2]],
-                building === kNoBuilding ? Kind.ground : Kind.roof, building, t);
+                building < 0 ? Kind.ground : Kind.roof, building, t);
   }
 }
 

@@ -1,9 +1,10 @@
 // What colours mean.
 
 import {fateColour, type MapView} from '../map/map_view.js';
+import {kSurfaceKinds} from '../mesh/columns.js';
 import {highest, type Model} from '../model.js';
 import {
-  css, flagStyle, kClassColours, kFlagStyles, kHeightRamp, kNoFlag, kQualityRamp, kSolidColours, type Rgb, type Theme,
+  css, flagStyle, kClassColours, kFlagStyles, kGroundColours, kHeightRamp, kNoFlag, kQualityRamp, kSolidColours, type Rgb, type Theme,
 } from '../view/colours.js';
 import {el, fixed, whole} from './dom.js';
 
@@ -26,10 +27,10 @@ export function mapLegend(map: MapView, theme: Theme): HTMLElement[] {
 }
 
 /** `cuts`: whether a plane cuts the city. */
-export function cityLegend({facts}: Model, colours: Colours, cuts: boolean): HTMLElement[] {
+export function cityLegend({facts, mesh}: Model, colours: Colours, cuts: boolean): HTMLElement[] {
   const parts: HTMLElement[] = [];
   if (colours === 'class')
-    parts.push(el('ul', {class: 'keys'}, key(kClassColours.ground, 'ground'), key(kClassColours.roof, 'roof'), key(kClassColours.wall, 'wall')));
+    parts.push(el('ul', {class: 'keys'}, key(kGroundColours[0], 'ground'), ...kSurfaceKinds.flatMap((kind, k) => mesh?.regionBuilding.includes(-2 - k) ? [key(kGroundColours[k + 1], kind)] : []), key(kClassColours.roof, 'roof'), key(kClassColours.wall, 'wall')));
   if (colours === 'height')
     parts.push(ramp('Height of buildings', kHeightRamp.gradient(), ['0', fixed(highest(facts) / 2, 0), `${fixed(highest(facts), 0)} m`]));
   if (colours === 'quality') {
@@ -46,8 +47,8 @@ export function cityLegend({facts}: Model, colours: Colours, cuts: boolean): HTM
     if (facts.volume && colours !== 'quality') parts.push(ramp('Cells at the plane: least dihedral angle', kQualityRamp.gradient(), kAngles));
     parts.push(el('ul', {class: 'keys'}, key(kSolidColours.building, 'building'), key(kSolidColours.soil, 'soil')));
   }
-  const mesh = facts.report?.volume_mesh, prisms = mesh?.prisms?.cells ?? 0;
-  if (prisms > 0 && prisms === mesh?.cells)
+  const volume = facts.report?.volume_mesh, prisms = volume?.prisms?.cells ?? 0;
+  if (prisms > 0 && prisms === volume?.cells)
     parts.push(el('p', {class: 'note'}, 'Prisms are not drawn: sections have no cells.'));
   else if (prisms > 0 && facts.volume)
     parts.push(el('p', {class: 'note'}, `${whole(prisms)} prisms on the ground are not drawn: cells above reach down to it.`));

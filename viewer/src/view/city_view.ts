@@ -10,10 +10,10 @@ import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
 import type {SkyMap} from '../mesh/sky.js';
 import type {CutCells, CutSolids} from '../mesh/section.js';
 import type {Surface} from '../mesh/surface.js';
-import {kAccent, kClassColours, kQualityRamp, kQuietGround, type Rgb, type Theme} from './colours.js';
+import {kAccent, kClassColours, kGroundColours, kQualityRamp, kQuietGround, type Rgb, type Theme} from './colours.js';
 import {CutView} from './cut_view.js';
 import {
-  buildingTexture, Colouring, linear, pickMaterial, PickMode, rampTexture, skyTexture, surfaceGeometry, surfaceMaterial,
+  buildingTexture, Colouring, kPickOffset, linear, pickMaterial, PickMode, rampTexture, skyTexture, surfaceGeometry, surfaceMaterial,
   type SurfaceUniforms,
 } from './surface_material.js';
 
@@ -66,7 +66,7 @@ export class CityView {
 
     this.uniforms = {
       colouring: {value: Colouring.byClass},
-      groundColour: {value: linear(kClassColours.ground)}, roofColour: {value: linear(kClassColours.roof)},
+      groundColours: {value: kGroundColours.map(linear)}, roofColour: {value: linear(kClassColours.roof)},
       wallColour: {value: linear(kClassColours.wall)}, soilColour: {value: linear(kClassColours.soil)},
       accent: {value: linear(kAccent)}, buildings: {value: buildingTexture(buildings)},
       ramp: {value: rampTexture(kQualityRamp.texels())}, selected: {value: -1}, hovered: {value: -1},
@@ -185,8 +185,7 @@ export class CityView {
   /** `colours`: per building, where they are shown. */
   setColouring(colouring: Colouring, colours?: readonly Rgb[]): void {
     this.uniforms.colouring.value = colouring;
-    this.uniforms.groundColour.value =
-        linear(colouring === Colouring.byClass ? kClassColours.ground : kQuietGround);
+    this.uniforms.groundColours.value = kGroundColours.map((c) => linear(colouring === Colouring.byClass ? c : kQuietGround));
     if (colours !== undefined) {
       const texture = this.uniforms.buildings.value as DataTexture;
       const texels = texture.image.data as Uint8Array;
@@ -270,9 +269,10 @@ export class CityView {
     return this.marker.visible ? [...this.marker.geometry.getAttribute('position').array] : [];
   }
 
-  /** The building at a place of the window; -1: none. */
-  pickBuilding(clientX: number, clientY: number): number {
-    return Math.max(-1, this.pick(clientX, clientY, PickMode.building) - 2);
+  /** What is at a place of the window, as ColumnMesh's regionBuilding tells it; -1: nothing. */
+  pickRegion(clientX: number, clientY: number): number {
+    const value = this.pick(clientX, clientY, PickMode.building);
+    return value < 0 ? -1 : value - kPickOffset;
   }
 
   /** What is at a place of the window; null: nothing. */

@@ -7,7 +7,9 @@ export const rgb = (hex: string): Rgb =>
     [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16)) as unknown as Rgb;
 export const css = (c: Rgb): string => `rgb(${c.map((v) => Math.round(v)).join(' ')})`;
 
-export const kClassColours = {ground: rgb('#b9bfa9'), roof: rgb('#c17b63'), wall: rgb('#efe6d6'), soil: rgb('#9a8a78')};
+/** Of the ground, and of surface layers by their kind. */
+export const kGroundColours = ['#b9bfa9', '#7fa3bf', '#a3a09b', '#93ac7c'].map(rgb);
+export const kClassColours = {roof: rgb('#c17b63'), wall: rgb('#efe6d6'), soil: rgb('#9a8a78')};
 /** Of the ground, where buildings have the colours. */
 export const kQuietGround = rgb('#c3c6c4');
 export const kAccent = rgb('#ffb224');

@@ -59,7 +59,8 @@ export const linear = (c: Rgb): Color => new Color().setRGB(c[0] / 255, c[1] / 2
 /** Shared by everything that draws the surface; change `value`s. */
 export interface SurfaceUniforms {
   colouring: {value: number};
-  groundColour: {value: Color};
+  /** As kGroundColours. */
+  groundColours: {value: Color[]};
   roofColour: {value: Color};
   wallColour: {value: Color};
   soilColour: {value: Color};
@@ -102,14 +103,14 @@ flat in int vFeature;
 in vec3 vPlace, vUpright, vCorner;
 in float vLift, vAngle;
 uniform int colouring, selected, hovered;
-uniform vec3 groundColour, roofColour, wallColour, soilColour, accent, edgeColour;
+uniform vec3 groundColours[4], roofColour, wallColour, soilColour, accent, edgeColour;
 uniform sampler2D buildings, ramp, sky;
 uniform float edges, skyShare, skyCell;
 uniform vec2 skyOrigin, skySize;
 
 vec3 surfaceColour() {
   int kind = vFeature & 3, building = (vFeature >> ${kBuildingBit}) - 1;
-  vec3 colour = kind == 0 ? groundColour : kind == 1 ? roofColour : kind == 2 ? wallColour : soilColour;
+  vec3 colour = kind == 0 ? groundColours[clamp(-1 - building, 0, 3)] : kind == 1 ? roofColour : kind == 2 ? wallColour : soilColour;
   if (colouring == ${Colouring.byBuilding} && building >= 0)
     colour = texelFetch(buildings, ivec2(building % ${kRowTexels}, building / ${kRowTexels}), 0).rgb;
   if (colouring == ${Colouring.byAngle} && kind != 3) colour = texture(ramp, vec2(vAngle, 0.5)).rgb;
@@ -155,7 +156,9 @@ export function surfaceMaterial(uniforms: SurfaceUniforms): MeshLambertMaterial 
 /** What a pick draws instead of colours: three bytes, lowest first. */
 export const enum PickMode { building, depth }
 
-/** Buildings plus two (1: ground), or depth in 2^24 parts. */
+/** What regionBuilding has plus kPickOffset, or depth in 2^24 parts. */
+export const kPickOffset = 16;
+
 export function pickMaterial(): ShaderMaterial {
   return new ShaderMaterial({
     clipping: true,
@@ -177,7 +180,7 @@ export function pickMaterial(): ShaderMaterial {
       void main() {
         vec4 diffuseColor = vec4(1.0);
         #include <clipping_planes_fragment>
-        int value = mode == ${PickMode.building} ? (vFeature >> ${kBuildingBit}) + 1 : int(gl_FragCoord.z * 16777215.0);
+        int value = mode == ${PickMode.building} ? (vFeature >> ${kBuildingBit}) + ${kPickOffset - 1} : int(gl_FragCoord.z * 16777215.0);
         gl_FragColor = vec4(value & 255, value >> 8 & 255, value >> 16, 255) / 255.0;
       }`,
   });
