@@ -34,9 +34,10 @@ void add_ground(const GroundMesh& ground, PageColumns& columns) {
   for (const Region& r : ground.regions) {
     const auto kind = std::find(kSurfaceKindNames.begin(), kSurfaceKindNames.end(),
                                 r.is_building() ? "" : ground.patches.of(r.floor).name);
-    columns.building.push_back(kind == kSurfaceKindNames.end()
-                                   ? r.building.value()
-                                   : -2 - static_cast<std::int32_t>(kind - kSurfaceKindNames.begin()));
+    columns.building.push_back(
+        kind == kSurfaceKindNames.end()
+            ? r.building.value()
+            : -2 - static_cast<std::int32_t>(kind - kSurfaceKindNames.begin()));
   }
 }
 
