@@ -127,7 +127,8 @@ void add_case_options(CLI::App& command, CaseArguments& arguments) {
       ->required()
       ->type_name("DIR")
       ->check([](const std::string& text) { return text.empty() ? "an empty name" : ""; });
-  number("--wind-speed", options.wind.speed, "Speed at --wind-height [m/s]");
+  CLI::Option* const speed =
+      number("--wind-speed", options.wind.speed, "Speed at --wind-height [m/s]");
   CLI::Option* const from =
       command
           .add_option_function<std::string>(
@@ -142,6 +143,12 @@ void add_case_options(CLI::App& command, CaseArguments& arguments) {
                ->type_name("INT")
                ->check(CLI::Range(2, 360))
                ->excludes(from));
+  openfoam(command
+               .add_option("--wind-profile", arguments.profile,
+                           "Measured wind instead of --wind-speed: a table height,speed,k [m, m/s, "
+                           "m2/s2]")
+               ->type_name("FILE")
+               ->excludes(speed));
   openfoam(
       number("--wind-height", options.wind.height, "Height of --wind-speed above the ground [m]"));
   openfoam(
@@ -189,6 +196,10 @@ void make_case(const CaseArguments& arguments, Console& console) {
       write_fenicsx_case(arguments.folder, options.wind, options.overwrite);
       console.result(fmt::format("solve    python3 {}/smoke.py", arguments.folder));
       return;
+    }
+    if (!arguments.profile.empty()) {
+      options.wind.levels = read_wind_levels(arguments.profile);
+      told.options.wind.speed = WindProfile(options.wind).speed(options.wind.height);
     }
     if (told.winds.size() > 1)
       tell(told, write_openfoam_cases(arguments.folder, options, told.winds), console);

@@ -18,6 +18,7 @@ struct CaseArguments {
   std::string folder;
   std::string dialect{kFoamDialectNames.front()};
   OpenfoamCaseOptions options;
+  std::string profile;        ///< File of a measured wind.
   std::vector<double> winds;  ///< Where it comes from, if several are named.
   int directions = 0;         ///< So many, evenly from north on; 0: those named.
   std::vector<const CLI::Option*> openfoam_only;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -6,6 +7,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/string.h>
@@ -49,13 +51,16 @@ nb::dict dict_of(const OpenfoamCase& made) {
 
 /// One of `from`: a case in the folder; `several`: one in a folder of it for each.
 nb::list case_openfoam(const std::filesystem::path& folder, double speed,
-                       const std::vector<double>& from, bool several, double height,
+                       const std::vector<double>& from, bool several,
+                       const std::vector<std::array<double, 3>>& levels, double height,
                        double roughness, double ground,
                        const std::map<std::string, double>& patches, double building,
                        double sample_height, double sample_spacing, int iterations,
                        const std::string& dialect, bool overwrite) {
   OpenfoamCaseOptions options;
   options.wind = wind_of(speed, several ? 0 : from.at(0), height, roughness);
+  for (const std::array<double, 3>& level : levels)
+    options.wind.levels.push_back({level[0], level[1], level[2]});
   const auto& names = kFoamDialectNames;
   const auto found = std::find(names.begin(), names.end(), dialect);
   if (found == names.end())
@@ -94,7 +99,7 @@ void case_fenicsx(const std::filesystem::path& folder, double speed, double from
 
 void bind_case(nb::module_& module) {
   module.def("case_openfoam", case_openfoam, nb::arg("folder"), nb::arg("wind_speed"),
-             nb::arg("wind_from"), nb::arg("several"), nb::arg("wind_height"), nb::arg("roughness"),
+             nb::arg("wind_from"), nb::arg("several"), nb::arg("wind_profile"), nb::arg("wind_height"), nb::arg("roughness"),
              nb::arg("ground_roughness"), nb::arg("patch_roughness"), nb::arg("building_roughness"),
              nb::arg("sample_height"), nb::arg("sample_spacing"), nb::arg("iterations"),
              nb::arg("dialect"), nb::arg("overwrite"));

@@ -10,11 +10,12 @@ from . import _core
 
 
 def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5,
-                  wind_from: float | Iterable[float] = 270, wind_height: float = 10, roughness: float = 0.5,
-                  ground_roughness: float = 0, patch_roughness: Mapping[str, float] | None = None,
-                  building_roughness: float = 0.01, sample_height: float = 1.75, sample_spacing: float = 2,
-                  iterations: int = 500, dialect: Literal["com", "org"] = "com",
-                  overwrite: bool = False) -> dict[str, Any] | list[dict[str, Any]]:
+                  wind_from: float | Iterable[float] = 270,
+                  wind_profile: Iterable[tuple[float, float, float]] = (), wind_height: float = 10,
+                  roughness: float = 0.5, ground_roughness: float = 0,
+                  patch_roughness: Mapping[str, float] | None = None, building_roughness: float = 0.01,
+                  sample_height: float = 1.75, sample_spacing: float = 2, iterations: int = 500,
+                  dialect: Literal["com", "org"] = "com", overwrite: bool = False) -> dict[str, Any] | list[dict[str, Any]]:
     """Makes a folder with a mesh for OpenFOAM a case of wind that its `Allrun` solves.
 
     Parameters
@@ -26,6 +27,8 @@ def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5,
     wind_from : float or several
         Where the wind comes from, degrees clockwise from the grid's north. Several: a case for each, in folders
         w000, w045, ... that share the mesh, one `Allrun` for all, and `rose.py` for their table.
+    wind_profile : iterable of (height, speed, k), optional
+        What was measured, upwards, instead of `wind_speed`: m, m/s, m2/s2.
     roughness : float
         Roughness length of the land upwind, metres.
     ground_roughness : float
@@ -59,9 +62,10 @@ def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5,
     """
     several = isinstance(wind_from, Iterable)
     winds = [float(wind) for wind in wind_from] if isinstance(wind_from, Iterable) else [float(wind_from)]
-    cases = _core.case_openfoam(Path(folder), wind_speed, winds, several, wind_height, roughness, ground_roughness,
-                                dict(patch_roughness or {}), building_roughness, sample_height, sample_spacing,
-                                iterations, dialect, overwrite)
+    cases = _core.case_openfoam(Path(folder), wind_speed, winds, several,
+                                [(float(z), float(u), float(k)) for z, u, k in wind_profile], wind_height,
+                                roughness, ground_roughness, dict(patch_roughness or {}), building_roughness,
+                                sample_height, sample_spacing, iterations, dialect, overwrite)
     return cases if several else cases[0]
 
 

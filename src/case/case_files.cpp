@@ -32,6 +32,19 @@ void require_wind(const Wind& wind) {
   if (!std::isfinite(wind.from) || std::abs(wind.from) > 360)
     throw Error(ErrorKind::kUsage,
                 fmt::format("wind-from: {} is not between -360 and 360 degrees", wind.from));
+  if (wind.levels.size() == 1)
+    throw Error(ErrorKind::kUsage, "wind-profile: one level is no profile");
+  WindLevel below;
+  for (const WindLevel& level : wind.levels) {
+    // Comparisons that no NaN passes.
+    if (!(level.height > below.height && level.speed > below.speed && level.k > 0) ||
+        !std::isfinite(level.height + level.speed + level.k))
+      throw Error(ErrorKind::kUsage,
+                  fmt::format("wind-profile: speed {} and k {} at {} m: levels go upwards, "
+                              "with speeds that grow and k above 0",
+                              level.speed, level.k, level.height));
+    below = level;
+  }
 }
 
 void require_new(const fs::path& folder, const std::vector<CaseFile>& files) {

@@ -281,9 +281,16 @@ class Fields {
   }
 
   std::string kinetic_energy() const {
-    const std::string k = fmt::format("uniform {:.8g}", profile_.k());
-    return turbulence("k", "[0 2 -2 0 0 0 0]", k, entry("kqRWallFunction", "value " + k + ";"), k,
-                      [&](const std::vector<double>&) { return k; });
+    const auto uniform = [&](double height) {
+      return fmt::format("uniform {:.8g}", profile_.k(height));
+    };
+    const auto at = [&](const std::vector<double>& heights) {
+      return profile_.is_measured() ? scalars(heights.size(),
+                                              [&](std::size_t i) { return profile_.k(heights[i]); })
+                                    : uniform(0);
+    };
+    return turbulence("k", "[0 2 -2 0 0 0 0]", at(heights_.cells),
+                      entry("kqRWallFunction", "value " + uniform(0) + ";"), uniform(top_), at);
   }
 
   std::string dissipation() const {
@@ -551,8 +558,11 @@ void link_folder(const fs::path& link, const fs::path& target) {
   if (error) throw_cannot_write(link, error.message());
 }
 
-void require_options(const OpenfoamCaseOptions& options) {
+/// The options, if they are in range; the speed of a measured wind is that of its levels.
+OpenfoamCaseOptions checked(OpenfoamCaseOptions options) {
   require_wind(options.wind);
+  const WindProfile profile(options.wind);
+  if (profile.is_measured()) options.wind.speed = profile.speed(options.wind.height);
   require_positive("sample-height", options.sample_height);
   require_positive("sample-spacing", options.sample_spacing);
   const auto not_negative = [](const char* name, double value) {
@@ -565,6 +575,7 @@ void require_options(const OpenfoamCaseOptions& options) {
     require_positive("patch-roughness", value);
   if (options.iterations < 1)
     throw Error(ErrorKind::kUsage, fmt::format("iterations: {} is below 1", options.iterations));
+  return options;
 }
 
 /// First cells on the ground, against the roughness there.
@@ -603,8 +614,8 @@ OpenfoamCase facts_of(const FoamMesh& mesh, const Fields& fields, const SamplePo
 
 }  // namespace
 
-OpenfoamCase write_openfoam_case(const fs::path& folder, const OpenfoamCaseOptions& options) {
-  require_options(options);
+OpenfoamCase write_openfoam_case(const fs::path& folder, const OpenfoamCaseOptions& given) {
+  const OpenfoamCaseOptions options = checked(given);
   const FoamMesh mesh = read_foam_mesh(folder / "constant/polyMesh");
   const Heights heights(mesh);
   const Fields fields(mesh, heights, options);
@@ -627,15 +638,16 @@ std::string folder_of_wind(double from) {
 }
 
 std::vector<OpenfoamCase> write_openfoam_cases(const fs::path& folder,
-                                               const OpenfoamCaseOptions& options,
+                                               const OpenfoamCaseOptions& given,
                                                std::span<const double> from) {
+  const OpenfoamCaseOptions options = checked(given);
   std::vector<OpenfoamCaseOptions> winds;
   std::string names;
   std::set<std::string> seen;
   for (const double degrees : from) {
     winds.push_back(options);
     winds.back().wind.from = degrees;
-    require_options(winds.back());
+    require_wind(winds.back().wind);
     const std::string name = folder_of_wind(degrees);
     if (!seen.insert(name).second)
       throw Error(ErrorKind::kUsage, fmt::format("wind-from: {} comes twice", degrees));

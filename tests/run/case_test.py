@@ -122,6 +122,31 @@ def check_inlet(program, folder):
             if min(s, t, 1 - s - t) >= -1e-9:
                 below.append(a[2] + s * (b[2] - a[2]) + t * (c[2] - a[2]))
         assert below and math.isclose(below[0] + 1.75, z, abs_tol=1e-3), (x, y, z, below)
+    # A measured wind, at the same faces.
+    levels = [(2.0, 2.5, 0.5), (10.0, 4.0, 0.7), (30.0, 6.0, 0.4)]
+    table = folder / "levels.csv"
+    table.write_text("k,height,speed\r\n" + "".join(f"{k}, {z},{u}\r\n" for z, u, k in levels) + "\r\n")
+    said = run(program, "case", "openfoam", case, "--wind-profile", table, "--roughness", ROUGHNESS, "--wind-height", 10,
+               "--wind-from", FROM, "--overwrite")
+    assert "4 m/s at 10 m" in said, said
+    line = ground_line(patches, 0, min(p[0] for p in points))
+    found = [values((case / "0" / name).read_text(), "xmin", "value") for name in ("U", "k", "epsilon")]
+    for face, u, (k,), (e,) in zip(patches["xmin"], *found):
+        centre = [sum(p[c] for p in face) / len(face) for c in range(3)]
+        z = centre[2] - elevation(line, centre[1])
+        (za, ua), (zb, ub) = [(0, 0), (2, 2.5)] if z < 2 else [(2, 2.5), (10, 4)] if z < 10 else [(10, 4), (30, 6)]
+        slope = (ub - ua) / math.log((zb + ROUGHNESS) / (za + ROUGHNESS))
+        speed = ua + slope * math.log((z + ROUGHNESS) / (za + ROUGHNESS)) if z < 30 else 6
+        energy = 0.5 if z < 2 else 0.5 + (z - 2) / 40 if z < 10 else 0.7 - 0.015 * (z - 10) if z < 30 else 0.4
+        assert math.isclose(math.hypot(*u), speed, rel_tol=1e-5, abs_tol=1e-6), (z, u, speed)
+        assert math.isclose(k, energy, rel_tol=1e-5) and math.isclose(
+            e, 0.3 * energy * slope / (z + ROUGHNESS), rel_tol=1e-5), (z, k, e)
+    for text, status, says in (("height,speed\n", 3, "line 1"), ("height,speed,k\n1,2\n", 3, "line 2"), (
+            "height,speed,k\n1,2,1\n2,1,1\n", 2, "--wind-profile: speed 1"), ("height,speed,k\n1,2,1\n", 2, "one level")):
+        table.write_text(text)
+        done = subprocess.run([program, "case", "openfoam", case, "--wind-profile", table, "--overwrite"],
+                              capture_output=True, text=True)
+        assert done.returncode == status and says in done.stderr, (text, done)
     # What is there stays; other winds are other sides.
     again = subprocess.run([program, "case", "openfoam", case], capture_output=True, text=True)
     assert again.returncode == 2 and "exists already" in again.stderr, again

@@ -1,0 +1,20 @@
+"""Cases for solvers."""
+import shutil
+
+import pytest
+
+import tetropolis as tp
+
+
+def test_one_wind_and_several(written, tmp_path):
+    for name in "one", "several":
+        shutil.copytree(written / "constant", tmp_path / name / "constant")
+    one = tp.case_openfoam(tmp_path / "one", wind_speed=4, wind_from=45)
+    several = tp.case_openfoam(tmp_path / "several", wind_speed=4, wind_from=range(0, 360, 45))
+    assert len(several) == 8 and several[1] == one
+    assert one["sides"]["xmax"] == one["sides"]["ymax"] == "inlet"
+    assert (tmp_path / "several/w045/0/U").read_bytes() == (tmp_path / "one/0/U").read_bytes()
+    tp.case_openfoam(tmp_path / "one", wind_profile=[(2, 3, 0.5), (20, 5, 0.4)], overwrite=True)
+    assert "REFERENCE = 4." in (tmp_path / "one/wind.py").read_text()
+    with pytest.raises(tp.UsageError, match="twice"):
+        tp.case_openfoam(tmp_path / "several", wind_from=[0, 360], overwrite=True)
