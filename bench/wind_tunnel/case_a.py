@@ -17,7 +17,7 @@ import subprocess
 
 HERE = pathlib.Path(__file__).resolve().parent
 WIDTH, HEIGHT = 20, 40       # b and 2 b at full scale, 1:250 [m]
-ROUGHNESS = 1.8e-4 * 250     # of the floor [m]
+ROUGHNESS = 0.045            # of the floor [m]
 PLACE = 150000, 450000       # of the block: anywhere on a map
 ALLOWED = 0.25               # VDI 3783-9: relative, or
 UNCERTAINTY = 0.06           # absolute, of measured ratios
@@ -64,7 +64,7 @@ def main():
     block(folder / "block.geojson")
     case = folder / "case"
     run(program, "build", "--footprints", folder / "block.geojson", "--height-attribute", "height", "--ground-level", 0,
-        "--lod", "block", "--domain", "auto", "--wind-from", 270, "--mesh-size", arguments.size, "--far-size", 20,
+        "--lod", "block", "--domain", "auto", "--wind-from", 270, "--mesh-size", arguments.size, "--far-size", 40,
         "--boundary-layers", 5, "--first-layer", 0.5, "--cells", arguments.cells, "--formats", "openfoam", "--no-html",
         "--quiet", "--out", case)
     inflow = table("inflow.csv")
@@ -78,7 +78,7 @@ def main():
         wind = ["--wind-speed", round(b + slope * (math.log(HEIGHT) - a), 3),
                 "--roughness", round(math.exp(a - b / slope), 5)]
     run(program, "case", "openfoam", case, *wind, "--wind-from", 270, "--wind-height", HEIGHT, "--building-roughness", 0,
-        "--iterations", 1000)
+        "--iterations", 300)
     origin = json.loads((case / "report.json").read_text())["origin"]
     x, y = PLACE[0] - origin[0], PLACE[1] - origin[1]
     points = table("points.csv")

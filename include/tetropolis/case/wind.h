@@ -31,7 +31,7 @@ struct Wind {
   double roughness = 0.5;  ///< Aerodynamic roughness length of the land upwind [m].
   /// What was measured, instead of the logarithmic law: two levels at least, upwards, faster from
   /// one to the next. `speed` is not looked at then.
-  std::vector<WindLevel> levels;
+  std::vector<WindLevel> levels{};
 };
 
 /// Where it blows to: a unit vector, x to the east and y to the north. Multiples of 90 degrees are
