@@ -285,9 +285,9 @@ class Fields {
       return fmt::format("uniform {:.8g}", profile_.k(height));
     };
     const auto at = [&](const std::vector<double>& heights) {
-      return profile_.is_measured() ? scalars(heights.size(),
-                                              [&](std::size_t i) { return profile_.k(heights[i]); })
-                                    : uniform(0);
+      return profile_.is_measured()
+                 ? scalars(heights.size(), [&](std::size_t i) { return profile_.k(heights[i]); })
+                 : uniform(0);
     };
     return turbulence("k", "[0 2 -2 0 0 0 0]", at(heights_.cells),
                       entry("kqRWallFunction", "value " + uniform(0) + ";"), uniform(top_), at);

@@ -32,8 +32,8 @@ struct OpenfoamCaseOptions {
   double building_roughness = 0.01;  ///< Of roofs and walls [m]; 0: smooth.
   double sample_height = 1.75;       ///< Where people feel the wind, above the ground [m].
   double sample_spacing = 2;         ///< Of the points there [m], or more: 400,000 points at most.
-  int iterations = 500;              ///< At most; residuals below 1e-4 end the run before.
-  bool overwrite = false;            ///< Whether a case that is there is replaced.
+  int iterations = 500;    ///< At most; residuals below 1e-4 (U: 5e-4) end the run before.
+  bool overwrite = false;  ///< Whether a case that is there is replaced.
 };
 
 /// What the wind does at a side of the domain.

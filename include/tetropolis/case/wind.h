@@ -75,9 +75,8 @@ class WindProfile {
     if (!is_measured()) return friction_velocity_ * friction_velocity_ / std::sqrt(kCmu);
     if (height <= levels_.front().height) return levels_.front().k;
     if (height >= levels_.back().height) return levels_.back().k;
-    const auto above =
-        std::find_if(levels_.begin(), levels_.end(),
-                     [&](const WindLevel& level) { return level.height > height; });
+    const auto above = std::find_if(levels_.begin(), levels_.end(),
+                                    [&](const WindLevel& level) { return level.height > height; });
     const WindLevel& a = *(above - 1);
     return a.k + (above->k - a.k) * (height - a.height) / (above->height - a.height);
   }
