@@ -70,7 +70,7 @@ export interface Report {
                    counts?: number[]};
     aspect_ratio: {median: number; p99: number; max: number};
     worst_cells: WorstCell[];
-    prisms?: {cells: number};
+    prisms?: {cells: number; non_orthogonality_deg: {max: number; mean: number}};
   };
   surface_mesh?: {triangles: number; closed: boolean; manifold: boolean;
                   faces_by_patch: Record<string, number>};
@@ -90,6 +90,9 @@ export interface Facts {
   /** Whether the page has the surface, and the cells. */
   mesh: boolean;
   volume: boolean;
+  /** Layers of prisms on open ground; whether there are prisms only. */
+  layers: number;
+  whole: boolean;
   /** That there are, in the page or not. */
   cells: number;
   buildings: Building[];

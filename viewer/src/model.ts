@@ -42,7 +42,7 @@ export async function readModel(blocks: Blocks): Promise<Model> {
   const facts = JSON.parse(await readText(blocks, 'facts')) as Facts;
   const {step} = facts;
   const [mesh, before, after] = await Promise.all([
-    facts.mesh ? readColumns(blocks, facts.volume) : null, readOutlines(blocks, 'before', step), readOutlines(blocks, 'after', step)]);
+    facts.mesh ? readColumns(blocks, facts) : null, readOutlines(blocks, 'before', step), readOutlines(blocks, 'after', step)]);
   const [xmin, ymin, xmax, ymax] = facts.domain;
   const foot = Int32Array.from(facts.buildings, (b) => Math.round(b.ground / step));
   const [low, high] = mesh !== null ? extremes(floorsOf(mesh)) :

@@ -53,7 +53,7 @@ export class Page {
     this.panel = new Panel(facts, model.before, {select: (b) => this.select(b, true), showCell: (n) => this.showCell(n)});
     this.views = choice(byId('views'), '', [['city', 'City'], ['map', 'Map']], 'city', (v) => this.setView(v === 'map'));
     choice<Colours>(byId('colours'), 'Colour', [
-      ['class', 'Class'], ['height', 'Height'], ...(facts.volume ? [['quality', 'Quality'] as const] : []), ['flags', 'Flags'],
+      ['class', 'Class'], ['height', 'Height'], ...(facts.volume && !facts.whole ? [['quality', 'Quality'] as const] : []), ['flags', 'Flags'],
     ], 'class', (v) => { void this.setColours(v); });
     choice<Cut>(byId('cuts'), 'Cut', [['off', 'Off'], ['x', 'X'], ['y', 'Y'], ['z', 'Z']], 'off', (v) => this.setCut(v));
     byId('whole').hidden = !facts.volume;

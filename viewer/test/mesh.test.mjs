@@ -9,6 +9,9 @@ const cities = {
   'fine mesh': {build: ['--mesh-size', '4']},
   'random city on hills': {synth: ['--buildings', '40', '--size', '400', '--relief', '30', '--seed', '3']},
   'surface layers': {surfaces: {water: [-10, 40, 310, 75], vegetation: [180, 180, 290, 250]}},
+  'layers of prisms': {build: ['--boundary-layers', '5'], surfaces: {water: [-10, 40, 310, 75]}},
+  'layers on hills': {synth: ['--buildings', '40', '--size', '400', '--relief', '30', '--seed', '3'], build: ['--boundary-layers', '3', '--first-layer', '0.3']},
+  'prisms only': {build: ['--cells', 'prisms']},
   'uniform layers': {build: ['--layering', 'uniform']},
 };
 
@@ -16,26 +19,35 @@ for (const [name, options] of Object.entries(cities)) {
   test(name, async (t) => {
     const folder = temporaryFolder(t);
     const out = makeCity(folder, options);
-    const {readColumns, cellCount} = await load(folder, 'mesh/columns.ts');
+    const {readColumns, cellCount, prismCount} = await load(folder, 'mesh/columns.ts');
+    const {readText} = await load(folder, 'payload.ts');
     const {Climb} = await load(folder, 'mesh/climb.ts');
     const report = readReport(out);
     const blocks = readBlocks(out);
-    const mesh = await readColumns(blocks, true);
+    const facts = JSON.parse(await readText(blocks, 'facts'));
+    const mesh = await readColumns(blocks, facts);
     const vtu = readVtu(join(out, 'volume.vtu'));
 
     assert.equal(cellCount(mesh), report.volume_mesh.cells);
+    assert.equal(facts.cells, report.volume_mesh.cells);
     assert.equal(mesh.z.length + mesh.upper.z.length, report.volume_mesh.vertices);
-    let worst = 0;
-    for (let v = 0; v < mesh.x.length; ++v)
+    // The file numbers nodes of columns, those above, those of layers; the page has layers in columns.
+    const open = new Uint8Array(mesh.x.length);
+    mesh.corners.forEach((v, c) => { if (mesh.regionBuilding[mesh.region[(c / 3) | 0]] < 0) open[v] = 1; });
+    const layered = open.reduce((sum, is) => sum + is * mesh.layers, 0), numbers = [];
+    for (let v = 0, own = 0, layer = mesh.z.length - layered + mesh.upper.z.length; v < mesh.x.length; ++v)
       for (let n = mesh.first[v]; n < mesh.first[v + 1]; ++n)
-        [mesh.x[v], mesh.y[v], mesh.z[n]].forEach((steps, k) => {
-          worst = Math.max(worst, Math.abs(steps / 1000 - vtu.points[3 * n + k]));
-        });
+        numbers.push(n - mesh.first[v] < open[v] * mesh.layers ? layer++ : own++);
+    for (let i = 0; i < mesh.upper.z.length; ++i) numbers.push(mesh.z.length - layered + i);
+    let worst = 0;
+    const compare = (n, ...place) => place.forEach((steps, k) => {
+      worst = Math.max(worst, Math.abs(steps / 1000 - vtu.points[3 * numbers[n] + k]));
+    });
+    for (let v = 0; v < mesh.x.length; ++v)
+      for (let n = mesh.first[v]; n < mesh.first[v + 1]; ++n) compare(n, mesh.x[v], mesh.y[v], mesh.z[n]);
     mesh.upper.z.forEach((z, i) => {
-      const v = mesh.upper.vertex[i], n = mesh.z.length + i;
-      [mesh.x[v], mesh.y[v], z].forEach((steps, k) => {
-        worst = Math.max(worst, Math.abs(steps / 1000 - vtu.points[3 * n + k]));
-      });
+      const v = mesh.upper.vertex[i];
+      compare(mesh.z.length + i, mesh.x[v], mesh.y[v], z);
     });
     assert.ok(worst <= 0.002, `${worst} m off`);
 
@@ -44,17 +56,28 @@ for (const [name, options] of Object.entries(cities)) {
     for (let triangle = 0; triangle < mesh.region.length; ++triangle) {
       climb.start(triangle);
       for (let i; (i = climb.next()) < 3; climb.advance(i)) {
-        const cell = [climb.at[0], climb.at[1], climb.at[2], climb.at[i] + 1];
+        const cell = [climb.at[0], climb.at[1], climb.at[2], climb.at[i] + 1].map((n) => numbers[n]);
         for (let k = 0; k < 4; ++k)
           if (cell[k] !== Number(vtu.cells[next + k])) assert.fail(`cell ${next / 4}: ${cell}`);
         next += 4;
       }
     }
     // Those above in an order of their own.
-    const sorted = (cells) => Array.from({length: cells.length / 4}, (_, c) => [...cells.subarray(4 * c, 4 * c + 4)].map(Number).sort((a, b) => a - b).join(' ')).sort();
-    const above = sorted(mesh.upper.cells);
-    if (name !== 'uniform layers') assert.ok(above.length > 1000);
-    assert.deepEqual(above, sorted(vtu.cells.subarray(next)));
+    const prisms = report.volume_mesh.prisms?.cells ?? 0, endOfTets = vtu.cells.length - 6 * prisms;
+    const sorted = (cells, map = Number) => Array.from({length: cells.length / 4}, (_, c) => [...cells.subarray(4 * c, 4 * c + 4)].map(map).sort((a, b) => a - b).join(' ')).sort();
+    const above = sorted(mesh.upper.cells, (n) => numbers[n]);
+    if (!/uniform|only/.test(name)) assert.ok(above.length > 1000);
+    assert.deepEqual(above, sorted(vtu.cells.subarray(next, endOfTets)));
+    next = endOfTets;
+    for (let triangle = 0; triangle < mesh.region.length; ++triangle)
+      for (let n = 0; n < prismCount(mesh, triangle); ++n, next += 6) {
+        const floor = [0, 1, 2].map((k) => mesh.floor[3 * triangle + k] + n);
+        const cell = [...floor, ...floor.map((node) => node + 1)].map((node) => numbers[node]);
+        for (let k = 0; k < 6; ++k)
+          if (cell[k] !== Number(vtu.cells[next + k])) assert.fail(`prism ${next}: ${cell}`);
+      }
+    assert.equal(next, vtu.cells.length);
+    assert.equal(prisms > 0, /prisms|hills$/.test(name) && options.build !== undefined);
 
     // The surface has the faces of the boundary.
     const {makeSurface} = await load(folder, 'mesh/surface.ts');
@@ -67,7 +90,9 @@ for (const [name, options] of Object.entries(cities)) {
       if (kind === 0) ++ground[-(surface.feature[3 * f] >> 5)];
     }
     const faces = report.surface_mesh.faces_by_patch;
-    assert.deepEqual(kinds.slice(1, 3), [faces.roof, faces.wall]);
+    assert.equal(kinds[1], faces.roof);
+    // Sides of prisms are one face each there.
+    if (prisms === 0) assert.equal(kinds[2], faces.wall);
     assert.deepEqual(ground, ['ground', 'water', 'road', 'vegetation'].map((patch) => faces[patch] ?? 0));
     assert.equal(ground[1] > 0, 'surfaces' in options);
 

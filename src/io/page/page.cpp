@@ -170,6 +170,8 @@ std::string facts_text(const PageContents& contents, const ColumnMesh* shown, st
                    {"mesh", shown != nullptr},
                    {"volume", has_volume},
                    {"cells", cells},
+                   {"layers", has_volume ? shown->layers.count : 0},
+                   {"whole", has_volume && shown->layers.whole},
                    {"buildings", buildings_json(city)},
                    {"footprints", footprints_json(contents.footprints)},
                    {"dropped", contents.dropped},
@@ -203,10 +205,10 @@ void add_columns(const ColumnMesh& mesh, bool floors_only, Payload& payload) {
 
 std::string page_html(const PageContents& contents, std::int64_t most_cells) {
   const ColumnMesh* mesh = contents.mesh;
-  // Prisms are not drawn: tets above them reach down to the ground, and without tets no cells are.
-  const std::int64_t cells = mesh == nullptr ? 0 : cell_offsets(*mesh).back().value();
+  const std::int64_t cells =
+      mesh == nullptr ? 0 : cell_offsets(*mesh).back().value() + mesh->layers.cells();
   if (mesh != nullptr && std::ssize(mesh->ground.triangles) > kMostPageTriangles) mesh = nullptr;
-  const bool has_volume = mesh != nullptr && cells <= most_cells && !mesh->layers.whole;
+  const bool has_volume = mesh != nullptr && cells <= most_cells;
   Payload payload;
   payload.add("facts", facts_text(contents, mesh, cells, has_volume));
   if (mesh != nullptr) add_columns(*mesh, !has_volume, payload);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <map>
 #include <span>
 #include <utility>
 
@@ -64,16 +65,24 @@ class ElevationWriter {
   }
 
   void add(VertexIndex v) {
-    const std::span<const std::int32_t> floors = mesh_.floors_at(v);
-    anchors_.assign(floors.begin(), floors.end());
-    const auto last = static_cast<std::int32_t>(mesh_.first[v + 1] - mesh_.first[v]) - 1;
+    const PrismLayers& layers = mesh_.layers;
+    layers_ = layers.count > 0 && layers.position[v] >= 0 ? layers.count : 0;
+    floors_.clear();
+    for (std::size_t k = 0; k < mesh_.regions[v].size(); ++k) {
+      const bool is_building = mesh_.ground.regions[mesh_.regions[v][k]].is_building();
+      floors_.push_back(mesh_.floors_at(v)[k] + (is_building ? layers_ : 0));
+    }
+    anchors_ = floors_;
+    const std::int32_t last =
+        layers_ + static_cast<std::int32_t>(mesh_.first[v + 1] - mesh_.first[v]) - 1;
     if (!floors_only_) anchors_.push_back(last);
+    if (!floors_only_ && !layers.whole) anchors_.push_back(layers_);
     std::sort(anchors_.begin(), anchors_.end());
     anchors_.erase(std::unique(anchors_.begin(), anchors_.end()), anchors_.end());
     const auto nodes = floors_only_ ? static_cast<std::int32_t>(anchors_.size()) : last + 1;
     columns_.count.push_back(difference(nodes, count_));
-    if (floors.size() > 1)
-      for (const std::int32_t floor : floors) columns_.floor.push_back(position_of(floor));
+    if (floors_.size() > 1)
+      for (const std::int32_t floor : floors_) columns_.floor.push_back(position_of(floor));
     values_.clear();
     for (const std::int32_t anchor : anchors_) values_.push_back(anchor_residual(v, anchor));
     for (std::size_t i = 0; i < anchors_.size(); ++i) {
@@ -94,30 +103,31 @@ class ElevationWriter {
   }
 
   std::int32_t elevation(VertexIndex v, std::int32_t position) const {
-    // The page has no prisms: the tets above them reach down to the ground.
-    const PrismLayers& layers = mesh_.layers;
-    if (position == 0 && layers.count > 0 && layers.position[v] >= 0)
-      return page_steps(layers.z[static_cast<std::size_t>(layers.position[v] * layers.count)]);
-    return page_steps(mesh_.z[mesh_.first[v] + position]);
+    if (position >= layers_) return page_steps(mesh_.z[mesh_.first[v] + (position - layers_)]);
+    const auto place = static_cast<std::size_t>(mesh_.layers.position[v]);
+    return page_steps(mesh_.layers.z[place * static_cast<std::size_t>(layers_) +
+                                     static_cast<std::size_t>(position)]);
   }
 
   void keep(VertexIndex v, std::int32_t position, std::int32_t z) {
-    if (!floors_only_) read_[mesh_.first[v] + position] = z;
+    if (!floors_only_ && position >= layers_) read_[mesh_.first[v] + (position - layers_)] = z;
   }
 
   /// Elevation and what is left of it.
   std::pair<std::int32_t, std::int32_t> anchor_residual(VertexIndex v, std::int32_t anchor) {
     const std::int32_t z = elevation(v, anchor);
     const std::span<const RegionIndex> regions = mesh_.regions[v];
-    const std::span<const std::int32_t> floors = mesh_.floors_at(v);
     bool is_floor = false;
-    for (std::size_t k = 0; k < floors.size(); ++k) {
-      if (floors[k] != anchor) continue;
+    for (std::size_t k = 0; k < floors_.size(); ++k) {
+      if (floors_[k] != anchor) continue;
       const RegionIndex region = regions[k];
       if (mesh_.ground.regions[region].is_building()) return {z, z - roofs_[region]};
       is_floor = true;
     }
-    return {z, difference(z, is_floor ? ground_ : top_)};
+    if (is_floor) return {z, difference(z, ground_)};
+    if (anchor == layers_ && !mesh_.layers.whole)
+      return {z, difference(z - values_.front().first, thickness_)};
+    return {z, difference(z, top_)};
   }
 
   /// The nodes between anchors number i and i + 1. A step more or less is not told: ends that are
@@ -125,14 +135,22 @@ class ElevationWriter {
   void add_between(VertexIndex v, std::size_t i) {
     const std::int64_t n = anchors_[i + 1] - anchors_[i];
     const std::int64_t low = values_[i].first, rise = values_[i + 1].first - low;
+    const bool is_prisms = mesh_.layers.whole || anchors_[i] < layers_;
+    std::vector<std::int64_t>* shape = is_prisms ? &shapes_[n] : nullptr;
+    if (is_prisms && shape->empty())
+      for (std::int64_t k = 0; k <= n; ++k) shape->push_back(k);
+    const std::int64_t whole = is_prisms ? std::max<std::int64_t>(1, shape->back()) : n;
     for (std::int64_t k = 1; k < n; ++k) {
-      const auto even = static_cast<std::int32_t>(low + (2 * rise * k + n) / (2 * n));
+      const std::int64_t share = is_prisms ? (*shape)[static_cast<std::size_t>(k)] : k;
+      const auto even = static_cast<std::int32_t>(low + (2 * rise * share + whole) / (2 * whole));
       const std::int32_t position = anchors_[i] + static_cast<std::int32_t>(k);
       const std::int32_t residual = elevation(v, position) - even;
       const std::int32_t told = std::abs(residual) <= 1 ? 0 : residual;
       columns_.z.push_back(told);
       keep(v, position, even + told);
+      if (is_prisms) (*shape)[static_cast<std::size_t>(k)] = even + told - low;
     }
+    if (is_prisms) shape->back() = rise;
   }
 
   const ColumnMesh& mesh_;
@@ -140,9 +158,13 @@ class ElevationWriter {
   PageColumns& columns_;
   std::vector<std::int32_t> roofs_;
   std::vector<double> read_;
-  std::vector<std::int32_t> anchors_;                          // positions, ascending
+  // Of the column at hand: layers, and positions counted from the lowest one.
+  std::int32_t layers_ = 0;
+  std::vector<std::int32_t> floors_, anchors_;                 // ascending, these
   std::vector<std::pair<std::int32_t, std::int32_t>> values_;  // of the anchors
-  std::int32_t count_ = 0, ground_ = 0, top_ = 0;
+  // By number of prisms between two anchors: heights above the lower one, those met last.
+  std::map<std::int64_t, std::vector<std::int64_t>> shapes_;
+  std::int32_t count_ = 0, ground_ = 0, thickness_ = 0, top_ = 0;
 };
 
 /// The front over triangle t as the elevations `z` of its nodes would make it climb.
@@ -162,6 +184,7 @@ bool climb_alike(Climb<3> a, Climb<3> b) {
 
 /// Triangles and their steps: a mesh is the same whichever elevations tell the order.
 void add_odd(const ColumnMesh& mesh, const std::vector<double>& read, PageColumns& columns) {
+  if (mesh.layers.whole) return;
   std::vector<std::uint8_t> is_odd(mesh.triangle_count());
   parallel_chunks(mesh.triangle_count(), 1024, [&](std::size_t begin, std::size_t end) {
     for (const TriangleIndex t : indices<TriangleIndex>(begin, end))

@@ -25,7 +25,8 @@ inline std::int32_t page_steps(double metres) {
                            : static_cast<std::int32_t>(std::llround(std::clamp(steps, -1e9, 1e9)));
 }
 
-/// Each array in the order of the mesh.
+/// Each array in the order of the mesh. Columns have the nodes of layers of prisms, too, below
+/// their own.
 struct PageColumns {
   std::vector<std::int32_t> x, y;      ///< Per vertex: less that of the one before.
   std::vector<std::int32_t> corners;   ///< Three per triangle: the first less that of the triangle
@@ -39,8 +40,10 @@ struct PageColumns {
   std::vector<std::int32_t> floor;     ///< Per region (ascending) of the vertices with several:
                                        ///< position in the column.
   std::vector<std::int32_t> z;         ///< Per node. At a floor less the roof there, or less the
-                                       ///< ground last met; at a top less the top last met; between
-                                       ///< these less the elevation that even spacing gives.
+                                       ///< ground last met; at a top less the top last met; on
+                                       ///< layers their thickness less the one last met; between
+                                       ///< these less the elevation that even spacing gives, or in
+                                       ///< prisms that of as many prisms met last.
   std::vector<std::int32_t> odd;       ///< Triangles whose columns, rounded, climb in another order
                                        ///< than the mesh's: less the one before.
   std::vector<std::uint8_t> steps;     ///< For each of these, upwards, the corner that goes next.

@@ -15,6 +15,7 @@
 #include "tetropolis/core/threads.h"
 
 #include "io/mesh/mesh_bytes.h"
+#include "support/prism_city.h"
 
 namespace tetropolis {
 namespace {
@@ -126,6 +127,24 @@ TEST(Page, HoldsTheMeshAndTheCity) {
   EXPECT_EQ(after[0], 20000);
   EXPECT_EQ(after[1], 18000);
   EXPECT_EQ(page.numbers("beforeX"), (std::vector<std::int32_t>{1000, 1000, 0, -1000}));
+}
+
+TEST(Page, HoldsPrisms) {
+  const testing::SmallCity small = testing::small_city(testing::hills);
+  const CityModel city = model_of(small);
+  const LayerHeights heights{4, 0.5, 1.2};
+  for (const bool whole : {false, true}) {
+    const ColumnMesh mesh = whole ? testing::city_of_prisms(small, 8, heights).mesh
+                                  : testing::prism_city(small, 8, heights).mesh;
+    const Page page(page_html({.city = city, .mesh = &mesh}));
+    EXPECT_EQ(page.facts()["cells"], cell_offsets(mesh).back().value() + mesh.layers.cells());
+    EXPECT_EQ(page.facts()["layers"], 4);
+    EXPECT_EQ(page.facts()["whole"], whole);
+    const std::size_t above = mesh.upper.points.size();
+    EXPECT_EQ(page.numbers("z").size() + above, static_cast<std::size_t>(mesh.node_count()));
+    EXPECT_EQ(page.numbers("upperRise").size(), above);
+    EXPECT_TRUE(!whole || page.numbers("odd").empty());
+  }
 }
 
 TEST(Page, LeavesOutTheVolumeBeyondItsBudget) {

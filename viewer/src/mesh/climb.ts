@@ -1,6 +1,6 @@
-// The front that climbs over a triangle and leaves tets behind: class Climb of column_mesh.h.
+// The front that climbs over a triangle, from its prisms upwards, and leaves tets behind: class Climb of column_mesh.h.
 
-import type {ColumnMesh} from './columns.js';
+import {type ColumnMesh, prismCount} from './columns.js';
 
 /**
  * climb.start(t); for (let i; (i = climb.next()) < 3; climb.advance(i)) ...: one tet each, of the
@@ -16,11 +16,11 @@ export class Climb {
   constructor(private readonly mesh: ColumnMesh) {}
 
   start(t: number): void {
-    const {mesh} = this;
+    const {mesh} = this, prisms = prismCount(mesh, t);
     for (let i = 0; i < 3; ++i) {
       this.vertex[i] = mesh.corners[3 * t + i];
       this.end[i] = mesh.first[this.vertex[i] + 1] - 1;
-      this.at[i] = mesh.floor[3 * t + i];
+      this.at[i] = mesh.floor[3 * t + i] + prisms;
       this.setKey(i);
     }
     this.step = mesh.oddStart === null ? -1 : mesh.oddStart[t];

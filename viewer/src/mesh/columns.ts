@@ -1,6 +1,7 @@
 // The mesh as columns over ground triangles: include/tetropolis/volume/column/column_mesh.h,
 // rebuilt from the blocks that src/io/page/page_columns.h describes.
 
+import type {Facts} from '../facts.js';
 import {addUp, type Blocks, inflate, readIntegers} from '../payload.js';
 import {climbUpper, noUpper, type UpperMesh} from './upper.js';
 
@@ -23,6 +24,9 @@ export interface ColumnMesh {
   /** Per triangle: where its steps are, -1 where elevations tell them. */
   oddStart: Int32Array | null;
   steps: Uint8Array;
+  /** Stacks over open ground begin with so many prisms, or (`whole`) all consist of prisms. */
+  layers: number;
+  whole: boolean;
   upper: UpperMesh;
 }
 
@@ -70,8 +74,10 @@ function floorPositions(around: VertexRegions, told: Int32Array): Int32Array {
 /** Elevations from what is left of them, in place. `withTop`: columns end at a top. */
 function addElevations(mesh: ColumnMesh, around: VertexRegions, floors: Int32Array, roof: Int32Array,
                        withTop: boolean): void {
-  const {first, z, regionBuilding} = mesh;
-  let ground = 0, top = 0;
+  const {first, z, regionBuilding, whole} = mesh;
+  let ground = 0, top = 0, thickness = 0;
+  // By number of prisms between two anchors: heights above the lower one, those met last.
+  const shapes = new Map<number, Int32Array>();
   const anchors: number[] = [];
   for (let v = 0; v + 1 < first.length; ++v) {
     const begin = first[v], last = first[v + 1] - 1 - begin;
@@ -79,6 +85,9 @@ function addElevations(mesh: ColumnMesh, around: VertexRegions, floors: Int32Arr
     anchors.length = 0;
     for (let i = low; i < high; ++i) if (!anchors.includes(floors[i])) anchors.push(floors[i]);
     if (withTop && !anchors.includes(last)) anchors.push(last);
+    let layers = 0;
+    for (let i = low; i < high; ++i) if (regionBuilding[around.regions[i]] < 0) layers = mesh.layers;
+    if (withTop && !whole && !anchors.includes(layers)) anchors.push(layers);
     anchors.sort((a, b) => a - b);
     for (const anchor of anchors) {
       let roofRegion = -1, isFloor = false;
@@ -90,13 +99,23 @@ function addElevations(mesh: ColumnMesh, around: VertexRegions, floors: Int32Arr
       const node = begin + anchor;
       if (roofRegion >= 0) z[node] += roof[roofRegion];
       else if (isFloor) ground = z[node] += ground;
+      else if (anchor === layers && !whole) z[node] = z[begin] + (thickness += z[node]);
       else top = z[node] += top;
     }
     for (let a = 0; a + 1 < anchors.length; ++a) {
       const n = anchors[a + 1] - anchors[a];
       const from = z[begin + anchors[a]], rise = z[begin + anchors[a + 1]] - from;
+      if (!whole && anchors[a] >= layers) {
+        for (let k = 1; k < n; ++k)
+          z[begin + anchors[a] + k] += from + Math.floor((2 * rise * k + n) / (2 * n));
+        continue;
+      }
+      let shape = shapes.get(n);
+      if (shape === undefined) shapes.set(n, shape = Int32Array.from({length: n + 1}, (_, k) => k));
+      const all = Math.max(1, shape[n]);
       for (let k = 1; k < n; ++k)
-        z[begin + anchors[a] + k] += from + Math.floor((2 * rise * k + n) / (2 * n));
+        shape[k] = (z[begin + anchors[a] + k] += from + Math.floor((2 * rise * shape[k] + all) / (2 * all))) - from;
+      shape[n] = rise;
     }
   }
 }
@@ -149,8 +168,8 @@ export function upperCorners(mesh: ColumnMesh, c: number, p: Float64Array): void
 
 export const upperCount = (mesh: ColumnMesh): number => mesh.upper.cells.length / 4;
 
-/** `withTop`: whether the page has whole columns, or their floors alone. */
-export async function readColumns(blocks: Blocks, withTop: boolean): Promise<ColumnMesh> {
+/** `volume`: whether the page has whole columns, or their floors alone. */
+export async function readColumns(blocks: Blocks, {volume, layers, whole}: Pick<Facts, 'volume' | 'layers' | 'whole'>): Promise<ColumnMesh> {
   const [a, steps, splits] =
       await Promise.all([readIntegers(blocks, kArrays), inflate(blocks['steps']), inflate(blocks['upperSplits'])]);
   const {corners} = a;
@@ -165,12 +184,12 @@ export async function readColumns(blocks: Blocks, withTop: boolean): Promise<Col
   addUp(first);
   const mesh: ColumnMesh = {
     x: addUp(a.x), y: addUp(a.y), corners, region: addUp(a.region), regionBuilding: a.regionBuilding,
-    first, z: a.z, floor: new Int32Array(0), oddStart: null, steps,
+    first, z: a.z, floor: new Int32Array(0), oddStart: null, steps, layers, whole,
     upper: noUpper(),
   };
   const around = regionsAtVertices(vertices, corners, mesh.region);
   const floors = floorPositions(around, a.floor);
-  addElevations(mesh, around, floors, addRoofs(a.roof, mesh.regionBuilding), withTop);
+  addElevations(mesh, around, floors, addRoofs(a.roof, mesh.regionBuilding), volume);
   mesh.floor = floorNodes(mesh, around, floors);
   if (a.upperCount.length > 0)
     mesh.upper = climbUpper(mesh, {count: addUp(a.upperCount), rise: a.upperRise, wait: a.upperWait, splits});
@@ -185,15 +204,21 @@ export async function readColumns(blocks: Blocks, withTop: boolean): Promise<Col
   return mesh;
 }
 
-/** Cells over triangle t. */
+/** Prisms over triangle t: the lowest cells of its stack. */
+export function prismCount(mesh: ColumnMesh, t: number): number {
+  if (mesh.whole) return mesh.first[mesh.corners[3 * t] + 1] - 1 - mesh.floor[3 * t];
+  return mesh.regionBuilding[mesh.region[t]] < 0 ? mesh.layers : 0;
+}
+
+/** Tets over triangle t. */
 export function stackSize(mesh: ColumnMesh, t: number): number {
-  let size = 0;
+  let size = -3 * prismCount(mesh, t);
   for (let c = 3 * t; c < 3 * t + 3; ++c) size += mesh.first[mesh.corners[c] + 1] - 1 - mesh.floor[c];
   return size;
 }
 
 export function cellCount(mesh: ColumnMesh): number {
   let cells = upperCount(mesh);
-  for (let t = 0; t < triangleCount(mesh); ++t) cells += stackSize(mesh, t);
+  for (let t = 0; t < triangleCount(mesh); ++t) cells += stackSize(mesh, t) + prismCount(mesh, t);
   return cells;
 }

@@ -1,7 +1,7 @@
 // What a plane cuts: the cells of the air, and the soil and the buildings below it.
 
 import {Climb} from './climb.js';
-import {type ColumnMesh, triangleCount, upperCorners, upperCount} from './columns.js';
+import {type ColumnMesh, prismCount, triangleCount, upperCorners, upperCount} from './columns.js';
 import {leastDihedral, tetCorners} from './quality.js';
 import type {Frame} from './surface.js';
 
@@ -16,12 +16,14 @@ export interface Plane {
 /** Triangles (nine numbers each, metres about the frame's centre). */
 export interface CutCells {
   position: Float32Array;
-  /** Per vertex: the least dihedral angle of its cell, degrees. */
+  /** Per vertex: the least dihedral angle of its cell, degrees; kPrism in prisms. */
   angle: Float32Array;
   /** Edges of cells in the plane, or of whole cells: six numbers each. */
   lines: Float32Array;
   cells: number;
 }
+
+export const kPrism = -1;
 
 export const enum Solid { soil, building }
 
@@ -52,6 +54,13 @@ class Floats {
 /** Elevation or coordinate in steps that no node has exactly, so that all lie on one side. */
 const inSteps = (frame: Frame, metres: number): number => Math.floor(metres / frame.step) + 0.5;
 
+const kTetFaces = [[0, 1, 3], [1, 2, 3], [2, 0, 3], [0, 2, 1]] as const;
+const kTetEdges = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]] as const;
+const kPrismFaces = [[0, 2, 1], [3, 4, 5], [0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [2, 0, 3], [2, 3, 5]] as const;
+const kPrismEdges = [[0, 1], [1, 2], [2, 0], [3, 4], [4, 5], [5, 3], [0, 3], [1, 4], [2, 5]] as const;
+const kPrismSides: readonly (readonly number[])[] = [[0, 1, 2], [3, 4, 5], [0, 1, 4, 3], [1, 2, 5, 4], [2, 0, 3, 5]];
+const kTetsOfPrism = [[0, 1, 2, 5], [0, 1, 5, 4], [0, 4, 5, 3]] as const;
+
 class CellCutter {
   readonly position = new Floats();
   readonly lines = new Floats();
@@ -59,7 +68,9 @@ class CellCutter {
   cells = 0;
   /** Of the tet at hand, in steps. */
   readonly p = new Float64Array(12);
-  private readonly d = new Float64Array(4);
+  /** Of the prism: the three corners below, then those above. */
+  readonly prism = new Float64Array(18);
+  private readonly d = new Float64Array(6);
   private readonly cut = new Float64Array(12);
 
   constructor(private readonly frame: Frame, private readonly axis: number,
@@ -76,33 +87,60 @@ class CellCutter {
     if (below === 0 || below === 15) return;
     ++this.cells;
     const angle = leastDihedral(p);
-    if (this.whole) this.addWhole(angle);
-    else this.addCut(below, angle);
+    if (this.whole) this.addWhole(p, kTetFaces, kTetEdges, angle);
+    else this.addCut(below, angle, true);
   }
 
-  private addWhole(angle: number): void {
-    for (const [a, b, c] of [[0, 1, 3], [1, 2, 3], [2, 0, 3], [0, 2, 1]] as const) {
-      this.vertex(this.p, a);
-      this.vertex(this.p, b);
-      this.vertex(this.p, c);
+  /** The same with the prism. */
+  addPrism(): void {
+    const {p, prism, d} = this;
+    let below = 0;
+    for (let k = 0; k < 6; ++k) if (prism[3 * k + this.axis] < this.place) below |= 1 << k;
+    if (below === 0 || below === 63) return;
+    ++this.cells;
+    if (this.whole) return this.addWhole(prism, kPrismFaces, kPrismEdges, kPrism);
+    for (const tet of kTetsOfPrism) {
+      let tetBelow = 0;
+      tet.forEach((corner, k) => {
+        for (let i = 0; i < 3; ++i) p[3 * k + i] = prism[3 * corner + i];
+        d[k] = p[3 * k + this.axis] - this.place;
+        if (d[k] < 0) tetBelow |= 1 << k;
+      });
+      if (tetBelow !== 0 && tetBelow !== 15) this.addCut(tetBelow, kPrism, false);
+    }
+    // A side has two corners on either side of the plane or none.
+    for (let k = 0; k < 6; ++k) d[k] = prism[3 * k + this.axis] - this.place;
+    for (const side of kPrismSides) {
+      let n = 0;
+      side.forEach((a, i) => {
+        const b = side[(i + 1) % side.length];
+        if (d[a] < 0 !== d[b] < 0) this.cross(prism, n++, a, b);
+      });
+      if (n === 2) this.line(this.cut, 0, 1);
+    }
+  }
+
+  private addWhole(p: Float64Array, faces: readonly (readonly [number, number, number])[],
+                   edges: readonly (readonly [number, number])[], angle: number): void {
+    for (const face of faces) {
+      for (const corner of face) this.vertex(p, corner);
       this.angle.push(angle, angle, angle);
     }
-    for (const [a, b] of [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]] as const)
-      this.line(this.p, a, b);
+    for (const [a, b] of edges) this.line(p, a, b);
   }
 
-  private addCut(below: number, angle: number): void {
+  private addCut(below: number, angle: number, outlined: boolean): void {
     // The corners below, then those above; neighbours in the polygon share one of the ends.
     const low: number[] = [], high: number[] = [];
     for (let k = 0; k < 4; ++k) (below & (1 << k) ? low : high).push(k);
     let n = 0;
     if (low.length === 2) {
-      this.cross(n++, low[0], high[0]);
-      this.cross(n++, low[0], high[1]);
-      this.cross(n++, low[1], high[1]);
-      this.cross(n++, low[1], high[0]);
+      this.cross(this.p, n++, low[0], high[0]);
+      this.cross(this.p, n++, low[0], high[1]);
+      this.cross(this.p, n++, low[1], high[1]);
+      this.cross(this.p, n++, low[1], high[0]);
     } else {
-      for (const a of low) for (const b of high) this.cross(n++, a, b);
+      for (const a of low) for (const b of high) this.cross(this.p, n++, a, b);
     }
     for (let k = 1; k + 1 < n; ++k) {
       this.vertex(this.cut, 0);
@@ -110,12 +148,12 @@ class CellCutter {
       this.vertex(this.cut, k + 1);
       this.angle.push(angle, angle, angle);
     }
-    for (let k = 0; k < n; ++k) this.line(this.cut, k, (k + 1) % n);
+    for (let k = 0; outlined && k < n; ++k) this.line(this.cut, k, (k + 1) % n);
   }
 
   /** Where the plane crosses the edge from a to b. */
-  private cross(n: number, a: number, b: number): void {
-    const {p, d, cut} = this;
+  private cross(p: Float64Array, n: number, a: number, b: number): void {
+    const {d, cut} = this;
     const s = d[a] / (d[a] - d[b]);
     for (let k = 0; k < 3; ++k) cut[3 * n + k] = p[3 * a + k] + s * (p[3 * b + k] - p[3 * a + k]);
   }
@@ -150,9 +188,20 @@ export function cutCells(mesh: ColumnMesh, frame: Frame, plane: Plane, whole: bo
   const climb = new Climb(mesh);
   const along = plane.axis === 'x' ? mesh.x : mesh.y;
   for (let t = 0; t < triangleCount(mesh); ++t) {
+    if (plane.axis !== 'z' && !isCrossed(mesh, along, t, place)) continue;
+    for (let n = 0; n < prismCount(mesh, t); ++n) {
+      for (let k = 0; k < 3; ++k) {
+        const v = mesh.corners[3 * t + k], node = mesh.floor[3 * t + k] + n;
+        for (const [corner, z] of [[k, mesh.z[node]], [k + 3, mesh.z[node + 1]]]) {
+          cutter.prism[3 * corner] = mesh.x[v];
+          cutter.prism[3 * corner + 1] = mesh.y[v];
+          cutter.prism[3 * corner + 2] = z;
+        }
+      }
+      cutter.addPrism();
+    }
     if (plane.axis === 'z') climb.startBelow(t, place);
-    else if (isCrossed(mesh, along, t, place)) climb.start(t);
-    else continue;
+    else climb.start(t);
     for (let i; (i = climb.next()) < 3; climb.advance(i)) {
       if (plane.axis === 'z' && Math.min(mesh.z[climb.at[0]], mesh.z[climb.at[1]], mesh.z[climb.at[2]]) > place)
         break;

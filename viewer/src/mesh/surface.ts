@@ -3,7 +3,7 @@
 // soil that the ground is the top of.
 
 import {Climb} from './climb.js';
-import {type ColumnMesh, triangleCount} from './columns.js';
+import {type ColumnMesh, prismCount, triangleCount} from './columns.js';
 import {type BorderEdges, borderEdges, nextCorner} from './edges.js';
 
 export const enum Kind { ground, roof, wall, soil }
@@ -118,7 +118,7 @@ function addFloors(mesh: ColumnMesh, builder: SurfaceBuilder): void {
 
 /**
  * Calls visit(lower i, lower j, upper, whether the upper node is over i) for the faces over
- * half-edge c of the cells of its triangle, up to the floor of half-edge `behind`.
+ * half-edge c of the cells of its triangle, up to the floor of half-edge `behind`; two for each of a prism.
  */
 function forEachWallFace(mesh: ColumnMesh, climb: Climb, c: number, behind: number,
                          visit: (lowI: number, lowJ: number, high: number, overI: boolean) => void): void {
@@ -126,6 +126,12 @@ function forEachWallFace(mesh: ColumnMesh, climb: Climb, c: number, behind: numb
   const i = c % 3, j = (i + 1) % 3;
   const endI = mesh.floor[nextCorner(behind)], endJ = mesh.floor[behind];
   if (mesh.floor[c] >= endI && mesh.floor[nextCorner(c)] >= endJ) return;
+  for (let k = 0; k < prismCount(mesh, t); ++k) {
+    const lowI = mesh.floor[c] + k, lowJ = mesh.floor[nextCorner(c)] + k;
+    if (lowI >= endI && lowJ >= endJ) return;
+    visit(lowI, lowJ, lowI + 1, true);
+    visit(lowI + 1, lowJ, lowJ + 1, false);
+  }
   climb.start(t);
   while (climb.at[i] < endI || climb.at[j] < endJ) {
     const k = climb.next();

@@ -41,8 +41,9 @@ function overview(facts: Facts): HTMLElement[] {
   const list = el('dl', {class: 'facts'},
       ...fact('Buildings', whole(facts.buildings.length),
               facts.footprints.length > 0 ? `of ${plural(facts.footprints.length, 'footprint')}` : ''),
-      ...(facts.cells > 0 ? fact('Cells', whole(facts.cells), mesh ? plural(mesh.vertices, 'node') : '') : []),
-      ...(mesh ? fact('Least dihedral angle', `${fixed(mesh.dihedral_deg.min, 1)}°`, `median ${fixed(mesh.dihedral_deg.median, 1)}°`) : []),
+      ...(facts.cells > 0 ? fact('Cells', whole(facts.cells), mesh ? plural(mesh.vertices, 'node') + (mesh.prisms && !facts.whole ? `, ${plural(mesh.prisms.cells, 'prism')}` : '') : '') : []),
+      ...(mesh?.prisms && facts.whole ? fact('Non-orthogonality', `${fixed(mesh.prisms.non_orthogonality_deg.max, 1)}°`, `at most; mean ${fixed(mesh.prisms.non_orthogonality_deg.mean, 1)}°`) :
+          mesh ? fact('Least dihedral angle', `${fixed(mesh.dihedral_deg.min, 1)}°`, `median ${fixed(mesh.dihedral_deg.median, 1)}°`) : []),
       ...resolution('Cells per building', report?.ground_mesh?.cells_per_building),
       ...resolution('Cells per street', report?.ground_mesh?.cells_per_gap),
       ...(report?.city?.domain?.building_height ?
@@ -187,7 +188,7 @@ function heights(facts: Facts): HTMLElement | null {
 function quality(report: Report): HTMLElement | null {
   const mesh = report.volume_mesh;
   const counts = mesh?.dihedral_deg.counts;
-  if (mesh === undefined || counts === undefined || counts.length === 0) return null;
+  if (mesh === undefined || counts === undefined || !counts.some((count) => count > 0)) return null;
   const bars = counts.map((count, i): Bar => ({
     from: i, to: i + 1, count, colour: css(kQualityRamp.at((i + 0.5) / kBestAngle)),
     title: `${i} to ${i + 1}°: ${plural(count, 'cell')} (${(100 * count / mesh.cells).toPrecision(2)} %)`,

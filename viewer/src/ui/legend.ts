@@ -4,7 +4,7 @@ import {fateColour, type MapView} from '../map/map_view.js';
 import {kSurfaceKinds} from '../mesh/columns.js';
 import {highest, type Model} from '../model.js';
 import {
-  css, flagStyle, kClassColours, kFlagStyles, kGroundColours, kHeightRamp, kNoFlag, kQualityRamp, kSolidColours, type Rgb, type Theme,
+  css, flagStyle, kClassColours, kFlagStyles, kGroundColours, kHeightRamp, kNoFlag, kPrismColour, kQualityRamp, kSolidColours, type Rgb, type Theme,
 } from '../view/colours.js';
 import {el, fixed, whole} from './dom.js';
 
@@ -44,15 +44,10 @@ export function cityLegend({facts, mesh}: Model, colours: Colours, cuts: boolean
         .map((s) => key(s.colour, s.label, counts.get(s.name)!))));
   }
   if (cuts) {
-    if (facts.volume && colours !== 'quality') parts.push(ramp('Cells at the plane: least dihedral angle', kQualityRamp.gradient(), kAngles));
-    parts.push(el('ul', {class: 'keys'}, key(kSolidColours.building, 'building'), key(kSolidColours.soil, 'soil')));
+    if (facts.volume && !facts.whole && colours !== 'quality') parts.push(ramp('Cells at the plane: least dihedral angle', kQualityRamp.gradient(), kAngles));
+    parts.push(el('ul', {class: 'keys'}, (facts.whole || facts.layers > 0) && key(kPrismColour, 'prism'), key(kSolidColours.building, 'building'), key(kSolidColours.soil, 'soil')));
   }
-  const volume = facts.report?.volume_mesh, prisms = volume?.prisms?.cells ?? 0;
-  if (prisms > 0 && prisms === volume?.cells)
-    parts.push(el('p', {class: 'note'}, 'Prisms are not drawn: sections have no cells.'));
-  else if (prisms > 0 && facts.volume)
-    parts.push(el('p', {class: 'note'}, `${whole(prisms)} prisms on the ground are not drawn: cells above reach down to it.`));
-  else if (facts.cells > 0 && !facts.volume)
+  if (facts.cells > 0 && !facts.volume)
     parts.push(el('p', {class: 'note'}, `${whole(facts.cells)} cells are too many for a page: this one shows ${facts.mesh ? 'the surface, and sections without cells' : 'the buildings'}.`));
   return parts;
 }

@@ -13,6 +13,8 @@ export const kClassColours = {roof: rgb('#c17b63'), wall: rgb('#efe6d6'), soil: 
 /** Of the ground, where buildings have the colours. */
 export const kQuietGround = rgb('#c3c6c4');
 export const kAccent = rgb('#ffb224');
+/** Their dihedral angles say nothing about them. */
+export const kPrismColour = rgb('#b9d3d8');
 export const kSolidColours = {soil: rgb('#8d7d6c'), building: rgb('#4a4e57')};
 
 /** Colours at even distances. */

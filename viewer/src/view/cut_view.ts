@@ -4,8 +4,8 @@ import {
   BufferAttribute, BufferGeometry, Color, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh,
   MeshBasicMaterial, MeshLambertMaterial, SRGBColorSpace,
 } from 'three';
-import {type CutCells, type CutSolids, Solid} from '../mesh/section.js';
-import {kBestAngle, kQualityRamp, kSolidColours, type Rgb} from './colours.js';
+import {type CutCells, type CutSolids, kPrism, Solid} from '../mesh/section.js';
+import {kBestAngle, kPrismColour, kQualityRamp, kSolidColours, type Rgb} from './colours.js';
 
 function coloured(position: Float32Array, colourOf: (vertex: number) => Rgb): BufferGeometry {
   const geometry = new BufferGeometry();
@@ -54,7 +54,7 @@ export class CutView {
   set(cells: CutCells | null, solids: CutSolids | null, whole: boolean): void {
     this.clear();
     if (cells !== null) {
-      const geometry = coloured(cells.position, (v) => [...kQualityRamp.at(cells.angle[v] / kBestAngle)].map(Math.round) as unknown as Rgb);
+      const geometry = coloured(cells.position, (v) => cells.angle[v] === kPrism ? kPrismColour : [...kQualityRamp.at(cells.angle[v] / kBestAngle)].map(Math.round) as unknown as Rgb);
       if (whole) geometry.computeVertexNormals();
       const mesh = new Mesh(geometry, whole ? this.lit : this.flat);
       mesh.receiveShadow = whole;
