@@ -95,7 +95,7 @@ std::vector<double> lift_of(const MeshCityOptions& options, const Raster& dtm,
                             heights.count, heights.total(), options.domain_height));
   return layer_lift(ground, edges == nullptr ? build_edge_graph(ground) : *edges,
                     terrain_under(ground, dtm), lowest_roofs(ground, roofs), roofs, heights,
-                    options.min_wall_height);
+                    options.min_wall_height, options.cells == Cells::kPrisms ? 0 : 1);
 }
 
 /// Heights of ground, roofs and top; tells the report of the top.

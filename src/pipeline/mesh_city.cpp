@@ -408,8 +408,11 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
   add_upper(options, columns, clock);
   if (options.boundary_layers.count > 0)
     clock.run("3.5", "boundary layers", [&](const Progress&) {
-      lay_prisms(columns.plan.lift, options.boundary_layers, columns.mesh);
-      if (options.cells == Cells::kPrisms) make_whole(columns.mesh);
+      // Below tets, layers may be lower and lower; prisms go on above them.
+      const bool alone = options.cells == Cells::kPrisms;
+      const double least_growth = alone ? 1 : 1 / options.boundary_layers.growth;
+      lay_prisms(columns.plan.lift, options.boundary_layers, least_growth, columns.mesh);
+      if (alone) make_whole(columns.mesh);
       result.volume_facts.prisms = measure_prisms(columns.mesh, options.boundary_layers.first);
     });
   if (!columns.mesh.upper.empty() || columns.mesh.layers.cells() > 0)

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <utility>
 
@@ -85,6 +86,32 @@ TEST(Prisms, AloneFillTheDomainAboveExactFloors) {
   EXPECT_GT(roofs, 0);
   const CityMesh tets = mesh_of(city, Cells::kTets, 5);
   EXPECT_LT(5 * facts.cells, 3 * tets.volume_facts.cells);
+}
+
+/// 40 % of the terrain within 5 degrees of the steepest that prisms are for.
+double ridges(double x, double) { return 10 * std::sin(x / 14); }
+
+/// Rows of houses along the hill, with slots of a metre between them; each is 9 m high at the
+/// middle of a side.
+testing::SmallCity houses_on(const std::function<double(double, double)>& terrain) {
+  testing::SmallCity city = testing::small_city(terrain);
+  city.footprints.clear();
+  city.roofs.clear();
+  for (const int x : {8, 33, 60, 88})
+    for (int y = 8; y < 70; y += 13) {
+      city.footprints.push_back(testing::rectangle(x, y, x + 12, y + 12));
+      city.roofs.push_back(terrain(x + 6, y) + 9);
+    }
+  return city;
+}
+
+TEST(Prisms, StandOnHills) {
+  for (const auto& terrain : {ridges, testing::hills}) {
+    const CityMesh mesh = mesh_of(houses_on(terrain), Cells::kPrisms);
+    EXPECT_TRUE(mesh.volume.layers.whole);
+    EXPECT_LE(mesh.volume_facts.prisms.max_non_orthogonality_deg, 70);
+    EXPECT_EQ(mesh.volume_facts.prisms.above_70, 0);
+  }
 }
 
 TEST(Prisms, GiveWayToTetsOnSteepTerrain) {

@@ -5,11 +5,12 @@
 
 namespace tetropolis {
 
-/// Height of all layers together beside a wall, metres, so that the wall goes on above them: by a
-/// metre where that leaves the layers three tenths of it, and by two fifths of it at least.
-inline double layers_beside_wall(double all, double wall) {
-  constexpr double kLeast = 0.3, kMost = 0.6, kLeft = 1;
-  return std::min(all, std::clamp(wall - kLeft, kLeast * wall, kMost * wall));
+/// Height of all layers together beside a wall, metres, so that the wall goes on above them: by
+/// `left`, a metre for tets, where that leaves the layers three tenths of it, and by two fifths of
+/// it at least.
+inline double layers_beside_wall(double all, double wall, double left = 1) {
+  constexpr double kLeast = 0.3, kMost = 0.6;
+  return std::min(all, std::clamp(wall - left, kLeast * wall, kMost * wall));
 }
 
 /// The least height of a wall above `layers`, where walls are at least `minimum_wall` high; metres.

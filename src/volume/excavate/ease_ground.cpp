@@ -154,8 +154,7 @@ void Easing::bring_down(const Stencil& stencil, const IsGood& is_good) {
 void Easing::look_at(TriangleIndex t) {
   const auto& v = mesh_.triangles[t];
   if (!is_gentle(t, kInfinity, asked_))
-    bring_down({{v[0], v[1], v[2], {}}, 3},
-               [&](double most) { return is_gentle(t, most, aim_); });
+    bring_down({{v[0], v[1], v[2], {}}, 3}, [&](double most) { return is_gentle(t, most, aim_); });
   for (const EdgeIndex e : edges_.of_triangle[t]) {
     if (is_good(e, kInfinity, asked_)) continue;
     Stencil stencil{{v[0], v[1], v[2], {}}, 3};
@@ -163,8 +162,7 @@ void Easing::look_at(TriangleIndex t) {
     const TriangleIndex beyond = a == t ? b : a;
     if (is_open(beyond))
       for (const VertexIndex u : mesh_.triangles[beyond])
-        if (std::find(v.begin(), v.end(), u) == v.end())
-          stencil.vertices[stencil.count++] = u;
+        if (std::find(v.begin(), v.end(), u) == v.end()) stencil.vertices[stencil.count++] = u;
     bring_down(stencil, [&](double most) { return is_good(e, most, aim_); });
   }
 }

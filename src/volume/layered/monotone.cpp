@@ -12,6 +12,10 @@ namespace tetropolis {
 
 namespace {
 
+/// Of a ladder's spacing between ground and roof: with less, where a wall is low for the layers up
+/// to its roof, some would be slivers that lie beside thick ones.
+constexpr double kShareAtWalls = 0.9;
+
 /// Nodes [first, last] of one column; z[first] is fixed, z[last] too if `fixed_end`. gap(k): least
 /// distance of nodes k and k + 1.
 template <typename Gap>
@@ -50,7 +54,9 @@ MonotoneReport guard_column(LayeredMesh& mesh, VertexIndex v, const MonotoneOpti
     const auto even = [&](std::int32_t) { return options.gap_share * spacing; };
     // A share of the even spacing would destroy thin layers.
     const auto of_ladder = [&](std::int32_t k) {
-      return options.gap_share * spacing * (last - first) *
+      const double share =
+          last < mesh.layers ? std::max(options.gap_share, kShareAtWalls) : options.gap_share;
+      return share * spacing * (last - first) *
              (share_below(mesh, first, k + 1, last) - share_below(mesh, first, k, last));
     };
     report.moved += mesh.ladder.empty() ? spread_piece(z, first, last, fixed_end, even)

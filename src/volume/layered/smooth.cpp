@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
 
 #include "tetropolis/core/error.h"
 
 #include "core/infinity.h"
 #include "core/parallel.h"
+#include "core/ragged_builder.h"
 
 namespace tetropolis {
 
@@ -46,6 +48,72 @@ double position_in_layers(const double* column, std::int32_t layers, double z) {
 std::int32_t nearest_in_ratio(double p) {
   const double below = std::floor(p);
   return static_cast<std::int32_t>(p * p > below * (below + 1) ? below + 1 : below);
+}
+
+/// An open edge from a wall, and the column beyond.
+struct WallEdge {
+  VertexIndex on_wall, beyond;
+  double length;
+};
+
+/// Per building part.
+RaggedArray<WallEdge> wall_edges(const LayeredMesh& mesh, std::span<const RegionIndex> roof,
+                                 std::size_t parts) {
+  return ragged_from_pairs<WallEdge>(parts, [&](const auto& use) {
+    for (const EdgeIndex e : indices<EdgeIndex>(mesh.edges.size())) {
+      const auto& beside = mesh.edges.triangles[e];
+      if (std::none_of(beside.begin(), beside.end(), [&](TriangleIndex t) {
+            return t != kNoTriangle && !mesh.ground.inside_building(t);
+          }))
+        continue;
+      const auto& [a, b] = mesh.edges.vertices[e];
+      if (roof[a] == roof[b]) continue;
+      const Point2 p = mesh.ground.vertices[a], q = mesh.ground.vertices[b];
+      const double length = std::hypot(q.x - p.x, q.y - p.y);
+      if (roof[a] != kNoRegion) use(roof[a].value(), WallEdge{a, b, length});
+      if (roof[b] != kNoRegion) use(roof[b].value(), WallEdge{b, a, length});
+    }
+  });
+}
+
+/// Moves roofs to other layers, between the lowest and the highest that their walls reach, where
+/// those rise or fall less steeply to the columns beside them, which may be walls of others.
+void fit_to_neighbours(const LayeredMesh& mesh, std::span<const RegionIndex> roof,
+                       std::span<const double> roofs, std::span<const double> least,
+                       std::span<const double> most, std::vector<std::int32_t>& roof_layer) {
+  const auto layer_at = [&](VertexIndex v, std::int32_t k) {
+    const double* const z = mesh.column(v);
+    if (roof[v] == kNoRegion) return z[k];
+    const std::int32_t own = roof_layer[roof[v]];
+    if (k > own) return roofs[roof[v]] + z[k] - z[own];
+    return z[0] + (roofs[roof[v]] - z[0]) * (z[k] - z[0]) / (z[own] - z[0]);
+  };
+  const RaggedArray<WallEdge> edges = wall_edges(mesh, roof, roofs.size());
+  constexpr int kMostSweeps = 10;
+  bool again = true;
+  for (int sweep = 0; again && sweep < kMostSweeps; ++sweep) {
+    again = false;
+    for (std::size_t b = 0; b < roofs.size(); ++b) {
+      if (roof_layer[b] == kNoRoof) continue;
+      const auto steepest = [&](std::int32_t k) {
+        double slope = 0;
+        for (const WallEdge& edge : edges[b])
+          slope = std::max(slope, std::abs(layer_at(edge.beyond, k) - roofs[b]) / edge.length);
+        return slope;
+      };
+      const std::int32_t before = roof_layer[b];
+      double best = steepest(before);
+      const auto lowest = std::max(static_cast<std::int32_t>(std::floor(least[b])), 1);
+      const auto highest = std::min(static_cast<std::int32_t>(std::ceil(most[b])), mesh.layers - 1);
+      for (std::int32_t k = lowest; k <= highest; ++k) {
+        const double slope = steepest(k);
+        if (!(slope < 0.95 * best)) continue;
+        best = slope;
+        roof_layer[b] = k;
+      }
+      again |= roof_layer[b] != before;
+    }
+  }
 }
 
 /// Over all columns, each from its lowest node up.
@@ -98,6 +166,7 @@ void trim(LayeredMesh& mesh, std::span<const RegionIndex> lowest_roof,
     if (least[b] < kInfinity)
       roof_layer[b] =
           std::clamp(nearest_in_ratio(std::sqrt(least[b] * most[b])), 1, mesh.layers - 1);
+  if (!mesh.ladder.empty()) fit_to_neighbours(mesh, lowest_roof, roofs, least, most, roof_layer);
 
   std::fill(mesh.first_node.begin(), mesh.first_node.end(), mesh.layers);
   for (const TriangleIndex t : mesh.ground.triangles.indices()) {
@@ -139,6 +208,7 @@ SmoothReport smooth_to_roofs(LayeredMesh& mesh, std::span<const RegionIndex> low
   });
   SmoothReport report;
   report.solver = solve_laplace(mesh, u, options.laplace, progress);
+
   displace(mesh, u);
   for (const VertexIndex v : mesh.ground.vertices.indices())
     if (lowest_roof[v] != kNoRegion) mesh.column(v)[mesh.roof_layer[v]] = roofs[lowest_roof[v]];

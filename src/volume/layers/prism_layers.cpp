@@ -25,8 +25,9 @@ double sum_of(const LayerHeights& heights, double ratio) {
 }
 
 /// Tops of the layers above the ground, without the uppermost one, which is at `all`.
-void divide_layers(double all, const LayerHeights& heights, std::vector<double>& tops) {
-  double low = 1 / heights.growth, high = heights.growth;
+void divide_layers(double all, const LayerHeights& heights, double least_growth,
+                   std::vector<double>& tops) {
+  double low = least_growth, high = heights.growth;
   double first = heights.first;
   if (const double least = sum_of(heights, low); all < least) {
     first *= all / least;
@@ -57,7 +58,7 @@ void number_prisms(ColumnMesh& mesh) {
 std::vector<double> layer_lift(const GroundMesh& mesh, const EdgeGraph& edges,
                                std::span<const double> terrain,
                                std::span<const RegionIndex> lowest_roof, const RoofHeights& roofs,
-                               const LayerHeights& heights, double minimum_wall) {
+                               const LayerHeights& heights, double minimum_wall, double left) {
   if (heights.count == 0) return {};
   const double all = heights.total();
   std::vector<double> lift(mesh.vertices.size(),
@@ -65,14 +66,15 @@ std::vector<double> layer_lift(const GroundMesh& mesh, const EdgeGraph& edges,
   for (const VertexIndex v : mesh.vertices.indices()) {
     if (lowest_roof[v] == kNoRegion) continue;
     const double wall = roofs.at(lowest_roof[v], v) - terrain[v];
-    lift[v] = -layers_beside_wall(all, std::max(wall, minimum_wall));
+    lift[v] = -layers_beside_wall(all, std::max(wall, minimum_wall), left);
   }
   limit_slope(mesh, edges, kSteepestLift, lift);
   for (double& height : lift) height = -height;
   return lift;
 }
 
-void lay_prisms(std::span<const double> lift, const LayerHeights& heights, ColumnMesh& mesh) {
+void lay_prisms(std::span<const double> lift, const LayerHeights& heights, double least_growth,
+                ColumnMesh& mesh) {
   PrismLayers layers;
   layers.count = heights.count;
   layers.position.assign(mesh.vertex_count(), -1);
@@ -92,7 +94,7 @@ void lay_prisms(std::span<const double> lift, const LayerHeights& heights, Colum
     for (std::size_t i = begin; i < end; ++i) {
       const VertexIndex v = layers.vertices[i];
       const double ground = mesh.z[mesh.first[v]] - lift[v];
-      divide_layers(lift[v], heights, tops);
+      divide_layers(lift[v], heights, least_growth, tops);
       double* z = layers.z.data() + i * count;
       *z++ = ground;
       for (const double top : tops) *z++ = ground + top;

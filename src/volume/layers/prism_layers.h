@@ -16,17 +16,19 @@ namespace tetropolis {
 /// Height of all layers together at each vertex, metres, > 0: heights.total(), less at low walls
 /// and, so that prisms are not sheared, around these: it changes by a quarter of the distance at
 /// most. `terrain`: elevation per vertex; `lowest_roof`: as from lowest_roofs. Walls that are lower
-/// than `minimum_wall` count as that: the ground will be lowered there. Empty without layers.
+/// than `minimum_wall` count as that: the ground will be lowered there. `left`: see
+/// layers_beside_wall. Empty without layers.
 std::vector<double> layer_lift(const GroundMesh& mesh, const EdgeGraph& edges,
                                std::span<const double> terrain,
                                std::span<const RegionIndex> lowest_roof, const RoofHeights& roofs,
-                               const LayerHeights& heights, double minimum_wall);
+                               const LayerHeights& heights, double minimum_wall, double left = 1);
 
 /// Puts the layers, which are lift[v] high, below the columns of open ground: their lowest nodes
 /// are on top of them. The lowest layer is as high as asked for as long as the ratio of one to the
-/// next, or its inverse, is at most heights.growth. Precondition: `lift` as from layer_lift with
-/// the same `heights`, heights.count > 0.
-void lay_prisms(std::span<const double> lift, const LayerHeights& heights, ColumnMesh& mesh);
+/// next is between `least_growth` and heights.growth. Precondition: `lift` as from layer_lift with
+/// the same `heights`, heights.count > 0, 0 < least_growth <= heights.growth.
+void lay_prisms(std::span<const double> lift, const LayerHeights& heights, double least_growth,
+                ColumnMesh& mesh);
 
 /// Makes what would be tets of the columns prisms, too. Throws Error(kGuarantee) unless the columns
 /// over each triangle have as many segments each (columns_of_layers) and there is no upper part.

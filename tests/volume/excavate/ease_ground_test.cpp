@@ -26,9 +26,8 @@ struct Pits {
       const double off = std::max(std::abs(x - at_x) - 5, std::abs(y - 40) - 5);
       return std::clamp(1 - off / 3, 0.0, 1.0);
     };
-    city = testing::small_city([&](double x, double y) {
-      return -deep * (depth(x, y, 62) + (two ? depth(x, y, 8) : 0));
-    });
+    city = testing::small_city(
+        [&](double x, double y) { return -deep * (depth(x, y, 62) + (two ? depth(x, y, 8) : 0)); });
     mesh = mesh_ground(city.footprints, city.domain, {4, 25});
     terrain = terrain_under(mesh, city.dtm);
     lift.assign(terrain.size(), 3.7);

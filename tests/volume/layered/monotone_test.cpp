@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -70,6 +71,24 @@ TEST(Monotone, LeavesGoodColumnsAlone) {
   EXPECT_EQ(report.moved, 0);
   EXPECT_DOUBLE_EQ(report.min_gap, 10);
   EXPECT_EQ(mesh.z, before);
+}
+
+TEST(Monotone, LayersOfALadderKeepTheirSharesBelowRoofs) {
+  const std::vector<double> ladder{0, 1, 3, 7, 15, 31, 63};
+  LayeredMesh mesh = make_layers(mesh_ground({}, {0, 0, 60, 60}, {10, 25}), ladder);
+  for (const VertexIndex v : mesh.ground.vertices.indices()) {
+    mesh.roof_layer[v] = v.value() % 2 == 0 ? 4 : kNoRoof;
+    for (std::int32_t k = 1; k < 4; ++k) mesh.column(v)[k] = 40;  // above the roof at 15 m
+    for (std::int32_t k = 5; k < 6; ++k) mesh.column(v)[k] = 62.9;
+  }
+  make_monotone(mesh, {0.25, true, 10});
+  for (const VertexIndex v : mesh.ground.vertices.indices())
+    for (std::int32_t k = 0; k < 6; ++k) {
+      const double share = mesh.roof_layer[v] == 4 && k < 4 ? 0.9 : 0.25;
+      const auto i = static_cast<std::size_t>(k);
+      EXPECT_GE(mesh.column(v)[k + 1] - mesh.column(v)[k],
+                share * (ladder[i + 1] - ladder[i]) - 1e-9);
+    }
 }
 
 TEST(Monotone, FreeTopMayMove) {

@@ -1,7 +1,9 @@
 #include "volume/layered/smooth.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -74,6 +76,34 @@ TEST(Smooth, CutsEachBuildingAtTheLayerNearestItsRoof) {
     const BuildingIndex b = result.mesh.ground.region_of(t).building;
     EXPECT_EQ(result.mesh.first_layer[t], b == kNoBuilding ? 0 : nearest[b]);
   }
+}
+
+TEST(Smooth, OnALadderRoofsBesideASlotAreCutWhereTheirLayersMeet) {
+  // The first house's roof is nearest to layer 3 in ratio, by its wall on the far side; in the slot
+  // of a metre, where the ground is lower, to layer 4, as the other's is.
+  const auto ground_at = [](double x, double) {
+    return x < 46 ? std::min((46 - x) / 4, 3.0) : 0.0;
+  };
+  auto city = testing::small_city(ground_at);
+  city.footprints = {testing::rectangle(30, 30, 46, 45), testing::rectangle(47, 30, 60, 45)};
+  city.roofs = {4.1, 4.1};
+  GroundMesh ground = mesh_ground(city.footprints, city.domain, {5, 25});
+  const ColumnPlan plan = testing::plan_of(city, ground, 5, true);
+  LayeredMesh mesh = make_layers(std::move(ground),
+                                 {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 20, 40, 60, plan.layers.top});
+  smooth_to_ground(mesh, plan.ground, {});
+  LayeredMesh alone = mesh;
+  trim(mesh, plan.lowest_roof, city.roofs);
+  alone.ladder.clear();  // as layers that are not a ladder are
+  trim(alone, plan.lowest_roof, city.roofs);
+  const auto layers_of = [](const LayeredMesh& of) {
+    std::array<std::int32_t, 2> layers{};
+    for (const TriangleIndex t : of.ground.triangles.indices())
+      if (of.ground.inside_building(t)) layers[of.ground.region_of(t).building] = of.first_layer[t];
+    return layers;
+  };
+  EXPECT_EQ(layers_of(alone), (std::array{2, 4}));
+  EXPECT_EQ(layers_of(mesh), (std::array{4, 4}));
 }
 
 TEST(Smooth, SameBitsForAnyNumberOfThreads) {

@@ -292,7 +292,7 @@ TEST(PrismQuality, IsThatOfPrismsOverALevelTriangle) {
     mesh.z.insert(mesh.z.end(), {3, 9});
     mesh.first.push_back(NodeIndex(mesh.z.size()));
   }
-  lay_prisms(std::vector(4, 3.0), {3, 1, 1}, mesh);
+  lay_prisms(std::vector(4, 3.0), {3, 1, 1}, 1, mesh);
   const PrismQuality quality = measure_prisms(mesh, 1);
   EXPECT_EQ(quality.cells, 6);
   EXPECT_NEAR(quality.volume, 2 * 5 * h * 3, 1e-9);
