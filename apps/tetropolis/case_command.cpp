@@ -87,6 +87,9 @@ void tell(const CaseArguments& arguments, const std::vector<OpenfoamCase>& cases
       fmt::format("ground   cells {:.2f} m high (median); {} points {} m above it, every "
                   "{} m",
                   made.first_cell, made.samples, options.sample_height, made.sample_spacing));
+  if (made.canopies > 0)
+    console.result(fmt::format("canopies {} zones of {} cells slow the wind", made.canopies,
+                               made.canopy_cells));
   if (made.shallow > 0)
     console.line(fmt::format(
         "note     {} of {} cells on the ground are lower than {} times its roughness: the wind "
@@ -170,6 +173,7 @@ void add_case_options(CLI::App& command, CaseArguments& arguments) {
                ->type_name("PATCH=NUMBER"));
   openfoam(number("--building-roughness", options.building_roughness,
                   "Roughness length of roofs and walls [m], 0: smooth"));
+  openfoam(number("--leaf-drag", options.leaf_drag, "Drag coefficient of leaves in canopies"));
   openfoam(number("--sample-height", options.sample_height,
                   "Where the wind is sampled, above the ground [m]"));
   openfoam(number("--sample-spacing", options.sample_spacing, "Spacing of the points there [m]"));

@@ -1,11 +1,13 @@
 #include "foam_mesh.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <regex>
 #include <string_view>
 #include <system_error>
@@ -94,6 +96,46 @@ std::vector<FoamPatch> read_patches(const fs::path& path) {
   return patches;
 }
 
+/// A number after a word, or nothing. Precondition: the word is none of a longer one.
+std::optional<double> number_after(const std::string& text, const std::string& word) {
+  const std::size_t at = text.find(word);
+  if (at == std::string::npos) return std::nullopt;
+  const char* from = text.c_str() + at + word.size();
+  from += std::strspn(from, " \t\r\n");
+  double value = 0;
+  const auto read = std::from_chars(from, text.c_str() + text.size(), value);
+  if (read.ec != std::errc()) return std::nullopt;
+  return value;
+}
+
+std::vector<FoamCanopy> read_canopies(const fs::path& path) {
+  std::error_code error;
+  if (!fs::exists(path, error)) return {};
+  const FoamFile file(path);
+  const std::string text(file.rest());
+  const auto is_space = [](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; };
+  std::vector<FoamCanopy> canopies;
+  std::size_t open = 0, close = 0;
+  for (; (open = text.find('{', close)) != std::string::npos; ++close) {
+    close = text.find('}', open);
+    if (close == std::string::npos) fail(path, "is cut or changed");
+    std::size_t end = open;
+    while (end > 0 && is_space(text[end - 1])) --end;
+    std::size_t begin = end;
+    while (begin > 0 && !is_space(text[begin - 1]) && text[begin - 1] != '(') --begin;
+    const std::string body = text.substr(open, close - open);
+    const auto density = number_after(body, "leafAreaDensity");
+    const auto cells = number_after(body, "List<label>");
+    if (!density || !cells) continue;
+    if (!(*density > 0) || !std::isfinite(*density) || !(*cells >= 0 && *cells < 1e10))
+      fail(path, fmt::format("the zone {} is changed", text.substr(begin, end - begin)));
+    if (*cells > 0)
+      canopies.push_back({text.substr(begin, end - begin), *density,
+                          static_cast<std::size_t>(*cells)});
+  }
+  return canopies;
+}
+
 void require_consistent(const fs::path& folder, const FoamMesh& mesh) {
   const auto all = [](const auto& numbers, std::size_t end) {
     return std::all_of(numbers.begin(), numbers.end(),
@@ -166,6 +208,7 @@ FoamMesh read_foam_mesh(const fs::path& folder) {
     for (const std::int32_t cell : *cells)
       mesh.cell_count = std::max(mesh.cell_count, static_cast<std::size_t>(std::max(cell, 0)) + 1);
   mesh.patches = read_patches(folder / "boundary");
+  mesh.canopies = read_canopies(folder / "cellZones");
   require_consistent(folder, mesh);
   return mesh;
 }

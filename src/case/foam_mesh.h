@@ -23,6 +23,13 @@ struct FoamPatch {
   }
 };
 
+/// A zone of leaves.
+struct FoamCanopy {
+  std::string name;
+  double leaf_area_density = 0;  ///< [1/m], > 0.
+  std::size_t cells = 0;         ///< > 0.
+};
+
 struct FoamMesh {
   std::vector<Point3> points;
   std::vector<std::int32_t> face_start;  ///< F + 1 offsets into face_points.
@@ -30,6 +37,7 @@ struct FoamMesh {
   std::vector<std::int32_t> owner;      ///< Per face.
   std::vector<std::int32_t> neighbour;  ///< Per internal face; these come first.
   std::vector<FoamPatch> patches;
+  std::vector<FoamCanopy> canopies;  ///< Zones of cells that have a leafAreaDensity.
 
   std::size_t faces() const { return owner.size(); }
   std::size_t cells() const { return cell_count; }

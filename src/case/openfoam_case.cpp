@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <fstream>
 #include <functional>
 #include <iterator>
 #include <limits>
@@ -180,11 +181,14 @@ std::vector<CasePatch> patches_of(const FoamMesh& mesh, const std::vector<double
   return patches;
 }
 
+/// Files of a case begin with them.
+constexpr const char* kFirstWords = "// Written by tetropolis";
+
 std::string head(const std::string& type, const std::string& object) {
   return fmt::format(
-      "// Written by tetropolis {}.\nFoamFile\n{{\n    version     2.0;\n    format      ascii;\n"
+      "{} {}.\nFoamFile\n{{\n    version     2.0;\n    format      ascii;\n"
       "    class       {};\n    object      {};\n}}\n\n",
-      kVersion, type, object);
+      kFirstWords, kVersion, type, object);
 }
 
 /// "nonuniform List<TYPE> ..." of text(i) for i below `size`.
@@ -493,9 +497,52 @@ std::function<std::string()> known(std::string text) {
   return [text = std::move(text)] { return text; };
 }
 
+/// Drag of leaves: explicit porosity with the force -f |U| U / 2 per volume and density.
+std::string drag(const OpenfoamCaseOptions& options, const FoamMesh& mesh,
+                 const std::string& object, const char* type) {
+  std::string text = head("dictionary", object);
+  for (const FoamCanopy& canopy : mesh.canopies) {
+    const double f = 2 * options.leaf_drag * canopy.leaf_area_density;
+    text += fmt::format(R"({0}  // 2 Cd LAD: leaf area density {1} 1/m
+{{
+    type            {2};
+    {2}Coeffs
+    {{
+        selectionMode   cellZone;
+        cellZone        {0};
+        type            DarcyForchheimer;
+        d               (0 0 0);
+        f               ({3:.8g} {3:.8g} {3:.8g});
+        coordinateSystem
+        {{
+            type    cartesian;
+            origin  (0 0 0);
+            coordinateRotation {{ type axesRotation; e1 (1 0 0); e2 (0 1 0); }}
+        }}
+    }}
+}}
+)",
+                        canopy.name, canopy.leaf_area_density, type, f);
+  }
+  return text;
+}
+
+constexpr const char* kFvOptions = "constant/fvOptions";
+constexpr const char* kFvModels = "constant/fvModels";
+
+/// What an earlier case has for canopies that this one has not.
+void remove_drag(const fs::path& folder) {
+  for (const char* name : {kFvOptions, kFvModels}) {
+    std::string line;
+    if (std::ifstream file(folder / name); !file || !std::getline(file, line)) continue;
+    std::error_code error;
+    if (line.starts_with(kFirstWords)) fs::remove(folder / name, error);
+  }
+}
+
 /// A case but for Allrun; `points` as for control.
-void add_files_of(const OpenfoamCaseOptions& options, const Fields& fields, const char* points,
-                  const std::string& into, std::vector<CaseFile>& files) {
+void add_files_of(const FoamMesh& mesh, const OpenfoamCaseOptions& options, const Fields& fields,
+                  const char* points, const std::string& into, std::vector<CaseFile>& files) {
   const bool is_org = options.dialect == FoamDialect::kOrg;
   const auto add = [&](const char* name, std::function<std::string()> text) {
     files.emplace_back(into + name, std::move(text));
@@ -512,7 +559,11 @@ void add_files_of(const OpenfoamCaseOptions& options, const Fields& fields, cons
   add("system/controlDict", known(control(options, points)));
   add("system/fvSchemes", known(head("dictionary", "fvSchemes") + foam_texts::kFvSchemes));
   add("system/fvSolution", known(head("dictionary", "fvSolution") + foam_texts::kFvSolution));
+  if (!mesh.canopies.empty())
+    add(kFvOptions, known(drag(options, mesh, "fvOptions", "explicitPorositySource")));
   if (!is_org) return;
+  if (!mesh.canopies.empty())
+    add(kFvModels, known(drag(options, mesh, "fvModels", "porosityForce")));
   add("constant/momentumTransport", known(turbulence_model("momentumTransport", true)));
   add("constant/physicalProperties",
       known(head("dictionary", "physicalProperties") +
@@ -563,6 +614,7 @@ OpenfoamCaseOptions checked(OpenfoamCaseOptions options) {
   require_wind(options.wind);
   const WindProfile profile(options.wind);
   if (profile.is_measured()) options.wind.speed = profile.speed(options.wind.height);
+  require_positive("leaf-drag", options.leaf_drag);
   require_positive("sample-height", options.sample_height);
   require_positive("sample-spacing", options.sample_spacing);
   const auto not_negative = [](const char* name, double value) {
@@ -607,6 +659,9 @@ OpenfoamCase facts_of(const FoamMesh& mesh, const Fields& fields, const SamplePo
     if (p.kind == CasePatch::Kind::kSide && p.patch->begin < p.patch->end)
       result.sides.push_back({p.patch->name, p.role});
   look_at_ground(mesh, fields, result);
+  result.canopies = std::ssize(mesh.canopies);
+  for (const FoamCanopy& canopy : mesh.canopies)
+    result.canopy_cells += static_cast<std::int64_t>(canopy.cells);
   result.samples = static_cast<std::int64_t>(samples.points.size());
   result.sample_spacing = samples.spacing;
   return result;
@@ -621,11 +676,12 @@ OpenfoamCase write_openfoam_case(const fs::path& folder, const OpenfoamCaseOptio
   const Fields fields(mesh, heights, options);
   const SamplePoints samples = sample_points(mesh, options.sample_height, options.sample_spacing);
   std::vector<CaseFile> files;
-  add_files_of(options, fields, "pedestrian", "", files);
+  add_files_of(mesh, options, fields, "pedestrian", "", files);
   add_shared_files(options, samples, files);
   // The last: a folder with it is a whole case.
   files.emplace_back("Allrun", known(allrun(options, "wind.py")));
   write_case_files(folder, files, options.overwrite);
+  if (mesh.canopies.empty()) remove_drag(folder);
   let_run(folder / "Allrun");
   return facts_of(mesh, fields, samples);
 }
@@ -665,7 +721,7 @@ std::vector<OpenfoamCase> write_openfoam_cases(const fs::path& folder,
   for (const OpenfoamCaseOptions& wind : winds) {
     const std::string into = folder_of_wind(wind.wind.from) + "/";
     fields.emplace_back(mesh, heights, wind);
-    add_files_of(wind, fields.back(), "../../system/pedestrian", into, files);
+    add_files_of(mesh, wind, fields.back(), "../../system/pedestrian", into, files);
     files.emplace_back(into + "Allrun", known(allrun(options, "../wind.py .")));
   }
   files.emplace_back("rose.py", known(replaced(foam_texts::kRosePy, {{"@WINDS@", names}})));
@@ -677,6 +733,7 @@ std::vector<OpenfoamCase> write_openfoam_cases(const fs::path& folder,
   let_run(folder / "Allrun");
   std::vector<OpenfoamCase> results;
   for (std::size_t i = 0; i < winds.size(); ++i) {
+    if (mesh.canopies.empty()) remove_drag(folder / folder_of_wind(winds[i].wind.from));
     let_run(folder / folder_of_wind(winds[i].wind.from) / "Allrun");
     results.push_back(facts_of(mesh, fields[i], samples));
   }

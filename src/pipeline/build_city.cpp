@@ -23,6 +23,7 @@
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/terrain/dtm.h"
 
+#include "canopy_heights.h"
 #include "city_account.h"
 #include "city_input.h"
 #include "city_warnings.h"
@@ -514,6 +515,11 @@ BuiltCity build_city(CitySources sources, const BuildCityOptions& options, const
     if (misread.empty()) throw;
     throw Error(error.kind(), std::string(error.what()) + "; " + misread);
   }
+  // Cells of a surface have no class.
+  if (options.canopy_heights && !input.has_surface)
+    result.canopy_heights = clock.run("1.3", "canopy heights", [&](const Progress&) {
+      return measure_canopies(input.points.points, result.terrain);
+    });
   merge_buildings(options, input, found, clock, result);
   result.footprints = std::move(input.footprints);
   if (result.input.points_kept > 0)

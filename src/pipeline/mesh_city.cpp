@@ -243,6 +243,7 @@ MeshCityOptions in_local_frame(MeshCityOptions options, Point2 origin) {
   };
   for (SizeRegion& region : options.grading.regions) move(region.area);
   for (SurfaceArea& surface : options.surfaces) move(surface.area);
+  for (Canopy& canopy : options.canopies) move(canopy.area);
   return options;
 }
 
@@ -432,6 +433,11 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
     tell_quality(result.volume, std::move(quality), result.volume_facts);
     result.boundary = checked_boundary(result.volume, result);
   });
+  if (!options.canopies.empty())
+    clock.run("3.6", "canopies", [&](const Progress&) {
+      result.zones = zone_cells(result.volume, options.canopies);
+    });
+  warn_of_canopies(result.zones, result.warnings);
   result.placement.origin = {origin.x, origin.y, 0};
   return result;
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -56,6 +57,18 @@ void warn_of_lowered_ground(const ColumnPlan& plan, const ExcavationSources& exc
   warnings.push_back(
       {"ground_lowered", plan.lowered,
        fmt::format("ground vertices were lowered, by up to {:.1f} m: {}", plan.deepest, where)});
+}
+
+void warn_of_canopies(const CellZones& zones, std::vector<Warning>& warnings) {
+  std::int64_t empty = 0;
+  std::string first;
+  for (const CellZone& zone : zones.zones)
+    if (zone.cells == 0 && ++empty == 1) first = zone.name;
+  if (empty > 0)
+    warnings.push_back({"canopy_without_cells", empty,
+                        fmt::format("canopies have no cell, the first, {}: they are smaller than "
+                                    "cells, over buildings or outside the domain; refine there",
+                                    first)});
 }
 
 void warn_of_prisms(const PrismQuality& prisms, std::vector<Warning>& warnings) {

@@ -14,6 +14,9 @@ namespace tetropolis {
 void warn_of_lowered_ground(const ColumnPlan& plan, const ExcavationSources& excavated,
                             std::vector<Warning>& warnings);
 
+/// Warns of canopies that no cell is in.
+void warn_of_canopies(const CellZones& zones, std::vector<Warning>& warnings);
+
 /// Warns of faces of prisms that are too slanting for many solvers.
 void warn_of_prisms(const PrismQuality& prisms, std::vector<Warning>& warnings);
 

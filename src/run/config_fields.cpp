@@ -8,6 +8,7 @@
 
 #include "memory_limit.h"
 #include "read_size_regions.h"
+#include "read_canopies.h"
 #include "read_surfaces.h"
 
 namespace tetropolis {
@@ -30,6 +31,8 @@ void require_crs(const std::string& text) { normalise_crs(text); }
 void require_refine(const std::string& text) { parse_refine(text); }
 
 void require_surface_layer(const std::string& text) { parse_surface_layer(text); }
+
+void require_canopies(const std::string& text) { parse_canopies(text); }
 
 void require_size(const std::string& text) {
   if (!text.empty()) parse_size(text);
@@ -465,6 +468,25 @@ std::vector<ConfigField> make_fields() {
                "attribute names",
        .value = "FILE:water|road|vegetation or FILE:ATTRIBUTE",
        .require = require_surface_layer},
+      {.name = "canopies",
+       .group = "Mesh",
+       .member = &C::canopies,
+       .commands = kMeshing,
+       .help = "Polygons of trees: the cells in them become zones of porous air; up to the height "
+               "above ground that an attribute states in metres, or that points of classes 3 to 5 "
+               "have",
+       .value = "FILE or FILE:ATTRIBUTE",
+       .require = require_canopies},
+      {.name = "leaf_area_density",
+       .group = "Mesh",
+       .member = &C::leaf_area_density,
+       .commands = kMeshing,
+       .help = "One-sided area of leaves per volume of canopies that have no attribute of this "
+               "name",
+       .unit = "1/m",
+       .min = 0,
+       .max = 20,
+       .above_min = true},
       {.name = "target_cells",
        .group = "Mesh",
        .member = &C::target_cells,

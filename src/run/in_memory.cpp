@@ -17,6 +17,7 @@
 #include "options_of.h"
 #include "pipeline/elevations.h"
 #include "preflight_line.h"
+#include "read_canopies.h"
 #include "read_input.h"
 #include "read_meshable.h"
 #include "read_size_regions.h"
@@ -67,12 +68,13 @@ void require_heights(const BuiltCity& city) {
 }  // namespace
 
 BuiltCity make_city(const Config& config, Next next, const InputInMemory& given,
-                    const RunHooks& hooks, Report& report) {
+                    const RunHooks& hooks, Report& report, bool canopy_heights) {
   StepClock clock(hooks, report.steps);
   RunInput input = read_input(config, next, clock, report.warnings, given);
   BuildCityOptions options = city_options(config);
   options.domain.polygon = read_domain(
       config, input.points.crs.empty() ? input.footprints.crs : input.points.crs, report.warnings);
+  options.canopy_heights = canopy_heights;
   report.preflight = preflight(input.points, input.footprints, options.bounds);
   if (hooks.tell) hooks.tell(preflight_line(*report.preflight, input));
   BuiltCity built = build_city(std::move(input), options, hooks);
@@ -99,10 +101,11 @@ BuiltCity load_city(const Config& config, const StepHooks& hooks, Report& report
 }
 
 CityMesh make_mesh(const Config& config, const CityModel& city, Raster terrain,
-                   const StepHooks& hooks, Report& report) {
+                   const Raster& canopy_heights, const StepHooks& hooks, Report& report) {
   MeshCityOptions options = mesh_options(config);
   options.grading.regions = read_size_regions(config, city.crs, report.warnings);
   options.surfaces = read_surfaces(config, city.crs, report.warnings);
+  options.canopies = read_canopies(config, city, canopy_heights, report.warnings);
   CityMesh mesh = mesh_city(city, std::move(terrain), options, hooks);
   add_steps(mesh.steps, report);
   add_warnings(mesh.warnings, report);
@@ -113,6 +116,7 @@ CityMesh make_mesh(const Config& config, const CityModel& city, Raster terrain,
   for (Point3& toe : report.volume_mesh->feet_cut_back)
     toe = {toe[0] + city.origin.x, toe[1] + city.origin.y, toe[2]};
   report.surface_mesh = mesh.surface_facts;
+  report.canopies = mesh.zones.zones;
   report.solver = mesh.solver;
   return mesh;
 }
@@ -129,7 +133,8 @@ CityInMemory make_city(Config config, InputInMemory input, const StepHooks& hook
   if (!input.footprints && !input.points) refuse_mistaken_files(config);
   const ThreadLimit limit(config.threads);
   CityInMemory city{{}, begin_report("city", config)};
-  city.built = make_city(config, Next::kNothing, input, {hooks, {}, {}}, city.report);
+  // Canopies are told when the city is meshed.
+  city.built = make_city(config, Next::kNothing, input, {hooks, {}, {}}, city.report, true);
   return city;
 }
 
@@ -152,7 +157,7 @@ MeshInMemory make_mesh(const Config& config, const BuiltCity& city, const StepHo
   MeshInMemory mesh{city.city, {}, begin_report("mesh", config)};
   keep_domain(city.city, mesh.report);
   mesh.report.city = city.facts;
-  mesh.mesh = make_mesh(config, city.city, city.terrain, hooks, mesh.report);
+  mesh.mesh = make_mesh(config, city.city, city.terrain, city.canopy_heights, hooks, mesh.report);
   return mesh;
 }
 
@@ -166,6 +171,7 @@ std::string make_page(const CityInMemory& city, const MeshInMemory& mesh) {
   report.ground_mesh = mesh.report.ground_mesh;
   report.volume_mesh = mesh.report.volume_mesh;
   report.surface_mesh = mesh.report.surface_mesh;
+  report.canopies = mesh.report.canopies;
   report.solver = mesh.report.solver;
   add_steps(mesh.report.steps, report);
   add_warnings(mesh.report.warnings, report);

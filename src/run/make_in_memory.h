@@ -13,15 +13,15 @@
 
 namespace tetropolis {
 
-/// Steps 1.1 to 2.3. Fills the report.
+/// Steps 1.1 to 2.3, with heights of vegetation if asked for. Fills the report.
 BuiltCity make_city(const Config& config, Next next, const InputInMemory& given,
-                    const RunHooks& hooks, Report& report);
+                    const RunHooks& hooks, Report& report, bool canopy_heights);
 
 /// The input of `tetropolis mesh`. Fills the report; `raw` is empty.
 BuiltCity load_city(const Config& config, const StepHooks& hooks, Report& report);
 
 /// Steps 3.1 to 3.5. Fills the report, with places in the CRS.
 CityMesh make_mesh(const Config& config, const CityModel& city, Raster terrain,
-                   const StepHooks& hooks, Report& report);
+                   const Raster& canopy_heights, const StepHooks& hooks, Report& report);
 
 }  // namespace tetropolis

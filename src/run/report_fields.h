@@ -323,6 +323,15 @@ void fields_of(VolumeMeshFacts& mesh, const Field& field) {
 }
 
 template <typename Field>
+void fields_of(CellZone& zone, const Field& field) {
+  field("name", zone.name, "text", "a canopy's zone: `canopy_1`, ..., in the order of the files");
+  field("height", zone.height, "number, m", "of its top above the ground");
+  field("base", zone.base, "number, m", "of its lowest leaves, the same");
+  field("leaf_area_density", zone.leaf_area_density, "number, 1/m", "");
+  field("cells", zone.cells, "integer", "cells in the zone");
+}
+
+template <typename Field>
 void fields_of(SurfaceMeshFacts& mesh, const Field& field) {
   field("triangles", mesh.triangles, "integer",
         "triangles of the whole boundary, top and sides included");
@@ -360,6 +369,7 @@ void report_fields(Report& report, const Field& field) {
   field("ground_mesh", report.ground_mesh, "object", "of `build` and `mesh`");
   field("volume_mesh", report.volume_mesh, "object", "of `build` and `mesh`");
   field("surface_mesh", report.surface_mesh, "object", "of `build` and `mesh`");
+  field("canopies", report.canopies, "list", "of `canopies`: zones of cells");
   field("solver", report.solver, "list", "steps that solve Laplace problems");
   field("files", report.files, "list of texts",
         "results in the folder, report excluded: of this run, and what stays of an earlier one; a "

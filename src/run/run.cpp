@@ -18,6 +18,7 @@
 #include "make_in_memory.h"
 #include "mistaken_input.h"
 #include "options_of.h"
+#include "read_canopies.h"
 #include "read_size_regions.h"
 #include "read_surfaces.h"
 #include "replace_results.h"
@@ -63,7 +64,8 @@ std::string relative_to_results(const Config& config, const std::string& source)
 /// Fills `footprints` if there is to be a page.
 BuiltCity write_out_city(const Config& config, Next next, const RunHooks& hooks, OutputFolder& out,
                          Report& report, std::vector<PageFootprint>& footprints) {
-  BuiltCity built = make_city(config, next, {}, hooks, report);
+  const bool canopies = next == Next::kMesh && !config.canopies.empty();
+  BuiltCity built = make_city(config, next, {}, hooks, report, canopies);
   StepClock clock(hooks, report.steps);
   const CityModel& raw = built.raw;
   clock.run("1.7", "write city model", [&](const Progress&) {
@@ -82,15 +84,18 @@ BuiltCity write_out_city(const Config& config, Next next, const RunHooks& hooks,
 }
 
 /// Steps 3.1 to 3.6: writes volume, boundary and surface, and the page that shows them.
-void write_out_mesh(const Config& config, const CityModel& city, Raster terrain,
+void write_out_mesh(const Config& config, BuiltCity built,
                     std::span<const PageFootprint> footprints, const RunHooks& hooks,
                     OutputFolder& out, Report& report) {
-  CityMesh mesh = make_mesh(config, city, std::move(terrain), hooks, report);
+  const CityModel& city = built.city;
+  CityMesh mesh =
+      make_mesh(config, city, std::move(built.terrain), built.canopy_heights, hooks, report);
+  built.canopy_heights = {};
   if (config.coordinates == Coordinates::kAbsolute)
     mesh.placement = {{city.origin.x, city.origin.y, 0}, {0, 0, 0}};
   StepClock clock(hooks, report.steps);
   clock.run("3.6", "write meshes", [&](const Progress& progress) {
-    write_mesh(config, mesh.volume, mesh.boundary, city.buildings, mesh.placement, out, progress);
+    write_mesh(config, mesh, city.buildings, out, progress);
   });
   if (config.no_html) return;
   tell_process(report, out);
@@ -127,6 +132,7 @@ std::vector<std::string> input_files(const Config& config) {
     if (std::string file = parse_refine(entry).file; !file.empty()) files.push_back(file);
   for (const std::string& entry : config.surface_layers)
     files.push_back(parse_surface_layer(entry).file);
+  for (const std::string& entry : config.canopies) files.push_back(parse_canopies(entry).file);
   return files;
 }
 
@@ -139,7 +145,7 @@ Report run_build(const Config& config, const RunHooks& hooks) {
   claim(out, names_of(config, true, true), config, hooks);
   std::vector<PageFootprint> footprints;
   BuiltCity built = write_out_city(config, Next::kMesh, hooks, out, report, footprints);
-  write_out_mesh(config, built.city, std::move(built.terrain), footprints, hooks, out, report);
+  write_out_mesh(config, std::move(built), footprints, hooks, out, report);
   finish(report, out);
   return report;
 }
@@ -183,7 +189,7 @@ Report run_mesh(const Config& given, const RunHooks& hooks) {
     out.keep(std::filesystem::path(config.city).parent_path() / name);
   claim(out, names_of(config, false, true), config, hooks);
   BuiltCity city = load_city(config, hooks, report);
-  write_out_mesh(config, city.city, std::move(city.terrain), {}, hooks, out, report);
+  write_out_mesh(config, std::move(city), {}, hooks, out, report);
   finish(report, out);
   return report;
 }

@@ -33,9 +33,13 @@ bool is_wanted(const Config& config, std::string_view format) {
 }
 
 /// The volume in each format asked for.
-void write_volume(const Config& config, const ColumnMesh& mesh, const SurfaceMesh& boundary,
-                  std::span<const Building> buildings, const Placement& placement,
-                  OutputFolder& out, const Progress& progress) {
+void write_volume(const Config& config, const CityMesh& city_mesh,
+                  std::span<const Building> buildings, OutputFolder& out,
+                  const Progress& progress) {
+  const ColumnMesh& mesh = city_mesh.volume;
+  const SurfaceMesh& boundary = city_mesh.boundary;
+  const CellZones& zones = city_mesh.zones;
+  const Placement& placement = city_mesh.placement;
   using Write = std::function<void(const Progress&)>;
   // For formats that know a face by its patch alone.
   const SurfaceMesh by_building =
@@ -44,7 +48,8 @@ void write_volume(const Config& config, const ColumnMesh& mesh, const SurfaceMes
   const std::array<std::pair<std::string_view, Write>, 9> writers{{
       {"vtu",
        [&](const Progress& p) {
-         write_vtu(out.result("volume.vtu"), mesh, placement, p, config.compression, buildings);
+         write_vtu(out.result("volume.vtu"), mesh, placement, p, config.compression, buildings,
+                   zones);
        }},
       {"xdmf",
        [&](const Progress& p) {
@@ -77,7 +82,7 @@ void write_volume(const Config& config, const ColumnMesh& mesh, const SurfaceMes
       {"openfoam",
        [&](const Progress& p) {
          write_openfoam(out.result("constant/polyMesh", results::of_format("openfoam")), mesh,
-                        patches, placement, p);
+                        patches, placement, p, zones);
        }},
   }};
   std::vector<const Write*> wanted;
@@ -104,12 +109,12 @@ void write_surface(const Config& config, const SurfaceMesh& boundary,
 
 }  // namespace
 
-void write_mesh(const Config& config, const ColumnMesh& mesh, const SurfaceMesh& boundary,
-                std::span<const Building> buildings, const Placement& placement, OutputFolder& out,
-                const Progress& progress) {
-  write_volume(config, mesh, boundary, buildings, placement, out, progress);
-  write_vtp(out.result("boundary.vtp"), boundary, placement, config.compression, buildings);
-  write_surface(config, boundary, buildings, placement, out);
+void write_mesh(const Config& config, const CityMesh& mesh, std::span<const Building> buildings,
+                OutputFolder& out, const Progress& progress) {
+  write_volume(config, mesh, buildings, out, progress);
+  write_vtp(out.result("boundary.vtp"), mesh.boundary, mesh.placement, config.compression,
+            buildings);
+  write_surface(config, mesh.boundary, buildings, mesh.placement, out);
 }
 
 }  // namespace tetropolis

@@ -30,6 +30,7 @@ struct OpenfoamCaseOptions {
   std::map<std::string, double> patch_roughness = {
       {"water", 0.0002}, {"road", 0.005}, {"vegetation", 0.1}};
   double building_roughness = 0.01;  ///< Of roofs and walls [m]; 0: smooth.
+  double leaf_drag = 0.2;            ///< Drag coefficient Cd of leaves in canopies.
   double sample_height = 1.75;       ///< Where people feel the wind, above the ground [m].
   double sample_spacing = 2;         ///< Of the points there [m], or more: 400,000 points at most.
   int iterations = 500;    ///< At most; residuals below 1e-4 (U: 5e-4) end the run before.
@@ -56,13 +57,18 @@ struct OpenfoamCase {
   double first_cell = 0;      ///< Height of the cells on the ground [m], the median.
   std::int64_t shallow = 0;   ///< Ground faces whose cell is lower than kRoughnessLengths of it:
                               ///< wall functions overstate the wind there.
+  std::int64_t canopies = 0;        ///< Zones of leaves,
+  std::int64_t canopy_cells = 0;    ///< and their cells.
   std::int64_t samples = 0;   ///< Points at sample_height.
   double sample_spacing = 0;  ///< [m]
 };
 
 /// Writes 0/, constant/, system/, Allrun and wind.py around the mesh in `folder`/constant/polyMesh
 /// (as write_openfoam writes it): steady, k-epsilon, SIMPLEC, with the profile of the wind at each
-/// face by its height above the ground below. Each file appears complete or not at all; the mesh is
+/// face by its height above the ground below. Zones of leaves (write_openfoam) take momentum by the
+/// drag -Cd LAD |U| U per volume and density (Wilson & Shaw, A higher order closure model for canopy
+/// flow, J. Appl. Meteorol. 16, 1977; Cd 0.2: Katul et al., One- and two-equation models for canopy
+/// turbulence, Boundary-Layer Meteorol. 113, 2004). Each file appears complete or not at all; the mesh is
 /// not touched. Errors: kUsage for options out of range, and for files that are there unless
 /// `overwrite`; kInput for a mesh that is missing or is none, and files that cannot be written.
 OpenfoamCase write_openfoam_case(const std::filesystem::path& folder,

@@ -75,6 +75,7 @@ struct BuildCityOptions {
   SimplifyOptions simplify =
       {};               ///< min_distance, min_area and parallel_tolerance hold for 1.4, too.
   Lod lod = Lod::k2_2;  ///< Of roofs; RoofOptions follow from it and the options above.
+  bool canopy_heights = false;  ///< Whether they are measured.
   double max_bytes = std::numeric_limits<double>::infinity();  ///< Memory of the process.
 };
 
@@ -142,6 +143,9 @@ struct BuiltCity {
   CityModel raw;               ///< After step 1: one building per footprint.
   CityModel city;              ///< After step 2: merged, with the clearance asked for.
   Raster terrain;              ///< Covers the domain; local frame of both models.
+  Raster canopy_heights;       ///< The highest point of vegetation (classes 3 to 5) nearest to each
+                               ///< node, above the terrain, metres; NaN where there is none. Empty
+                               ///< unless asked for, and without such points.
   FootprintsInput footprints;  ///< As given, in the local frame.
   InputFacts input;
   CityFacts facts;

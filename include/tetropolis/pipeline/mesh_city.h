@@ -14,6 +14,7 @@
 #include "tetropolis/ground/surfaces.h"
 #include "tetropolis/io/file/placement.h"
 #include "tetropolis/terrain/raster.h"
+#include "tetropolis/volume/cell_zones.h"
 #include "tetropolis/volume/column/boundary.h"
 #include "tetropolis/volume/column/column_mesh.h"
 #include "tetropolis/volume/quality/cell_quality.h"
@@ -37,6 +38,7 @@ struct MeshCityOptions {
   SizeGrading grading = {};  ///< How edges grow away from buildings. Regions: CRS coordinates.
   std::vector<SurfaceArea> surfaces = {};  ///< Water, roads, vegetation. CRS coordinates.
   double surface_clearance = 1;  ///< Of their edges, from each other and buildings; metres, > 0.
+  std::vector<Canopy> canopies = {};  ///< Trees, which become zones of cells. CRS coordinates.
   double target_cells = 0;  ///< Scales all sizes until the mesh has about so many; 0: it does not.
   double min_angle_deg = 25;   ///< Of the ground mesh; 0 to 33.
   double domain_height = 100;  ///< Of the top above the highest terrain, metres, > 0.
@@ -146,6 +148,7 @@ struct SolverFacts {
 struct CityMesh {
   ColumnMesh volume;
   SurfaceMesh boundary;
+  CellZones zones;      ///< Of `volume`, one per canopy.
   Placement placement;  ///< For writers: local coordinates, with the origin beside them.
   GroundMeshFacts ground_facts;
   VolumeMeshFacts volume_facts;

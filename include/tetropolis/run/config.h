@@ -88,6 +88,8 @@ struct Config {
   double size_growth = 1.2;
   std::vector<std::string> refine;
   std::vector<std::string> surface_layers;
+  std::vector<std::string> canopies;
+  double leaf_area_density = kLeafAreaDensity;
   double target_cells = 0;
   double min_angle = 25;
   double domain_height = 0;

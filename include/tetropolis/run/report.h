@@ -40,6 +40,7 @@ struct Report {
   std::optional<GroundMeshFacts> ground_mesh;
   std::optional<VolumeMeshFacts> volume_mesh;  ///< Places in CRS coordinates.
   std::optional<SurfaceMeshFacts> surface_mesh;
+  std::vector<CellZone> canopies;  ///< As meshed.
   std::vector<SolverFacts> solver;
   std::vector<Warning> warnings;
   std::vector<std::string> files;  ///< Results in the folder, sorted, without the report: what the

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -167,6 +168,25 @@ void write_patches(AtomicFile& file, const SurfaceMesh& surface, const Sizes& si
   file.write(text + ")\n");
 }
 
+/// Text: zones are small, and every version reads it.
+void write_zones(AtomicFile& file, const CellZones& zones) {
+  file.write(header("ascii", "regIOobject", "cellZones", ""));
+  std::vector<std::vector<std::size_t>> cells(zones.zones.size());
+  for (std::size_t c = 0; c < zones.of_cell.size(); ++c)
+    if (zones.of_cell[c] > 0) cells[static_cast<std::size_t>(zones.of_cell[c]) - 1].push_back(c);
+  file.write(fmt::format("{}\n(\n", zones.zones.size()));
+  for (std::size_t i = 0; i < zones.zones.size(); ++i) {
+    const CellZone& zone = zones.zones[i];
+    std::string text = fmt::format(
+        "{}\n{{\n    type            cellZone;\n    height          {};\n"
+        "    base            {};\n    leafAreaDensity {};\n    cellLabels      List<label>\n{}\n(\n",
+        zone.name, zone.height, zone.base, zone.leaf_area_density, cells[i].size());
+    for (const std::size_t c : cells[i]) text += fmt::format("{}\n", c);
+    file.write(text + ")\n;\n}\n");
+  }
+  file.write(")\n");
+}
+
 Sizes count_faces(const std::filesystem::path& folder, const ColumnMesh& mesh,
                   const CellFaces& list, const SurfaceMesh& surface) {
   const std::size_t boundary = SurfaceFaces(surface).size();
@@ -188,7 +208,7 @@ Sizes count_faces(const std::filesystem::path& folder, const ColumnMesh& mesh,
 
 void write_openfoam(const std::filesystem::path& folder, const ColumnMesh& mesh,
                     const SurfaceMesh& surface, const Placement& placement,
-                    const Progress& progress) {
+                    const Progress& progress, const CellZones& zones) {
   require_boundary_of(mesh, surface);
   const CellFaces cells(mesh);
   const Sizes sizes = count_faces(folder, mesh, cells, surface);
@@ -206,7 +226,13 @@ void write_openfoam(const std::filesystem::path& folder, const ColumnMesh& mesh,
   write_owner(owner, mesh, cells, surface, sizes, portion(progress, 0.5, 0.75));
   write_neighbour(neighbour, mesh, cells, sizes, portion(progress, 0.75, 1));
   write_patches(boundary, surface, sizes);
+  std::optional<AtomicFile> cell_zones;
+  if (!zones.empty()) write_zones(cell_zones.emplace(folder / "cellZones"), zones);
   for (AtomicFile* file : {&points, &faces, &owner, &neighbour, &boundary}) file->commit();
+  if (cell_zones)
+    cell_zones->commit();
+  else
+    std::filesystem::remove(folder / "cellZones", error);
 }
 
 }  // namespace tetropolis

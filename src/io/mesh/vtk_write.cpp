@@ -64,6 +64,17 @@ std::vector<Field> building_fields(std::span<const Building> buildings, Texts as
           std::move(ground), std::move(roof)};
 }
 
+std::vector<Field> zone_fields(const CellZones& zones) {
+  if (zones.empty()) return {};
+  std::vector<std::string> names;
+  Field density{"Float64", "zone_leaf_area_density", zones.zones.size(), {}};
+  for (const CellZone& zone : zones.zones) {
+    names.push_back(zone.name);
+    append_raw(density.bytes, zone.leaf_area_density);
+  }
+  return {text_field("zone_name", names, Texts::kBytes), std::move(density)};
+}
+
 std::vector<Field> patch_fields(const PatchTable& patches) {
   std::vector<std::string> names;
   Field numbers{"Int32", "patch_number", patches.size(), {}};
@@ -140,7 +151,7 @@ void write_cells(VtkOutput& file, const ColumnMesh& mesh, const std::vector<Cell
 
 void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
                const Placement& placement, const Progress& progress, Compression compression,
-               std::span<const Building> buildings) {
+               std::span<const Building> buildings, const CellZones& zones) {
   const std::vector<CellIndex> offsets = cell_offsets(mesh);
   const auto nodes = static_cast<std::uint64_t>(mesh.node_count());
   const auto prisms = static_cast<std::size_t>(mesh.layers.cells());
@@ -151,7 +162,8 @@ void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
   const std::uint64_t width = small ? 4 : 8;
 
   VtkOutput file(path, compression);
-  const std::vector<Field> fields = building_fields(buildings, Texts::kBytes);
+  std::vector<Field> fields = building_fields(buildings, Texts::kBytes);
+  for (Field& field : zone_fields(zones)) fields.push_back(std::move(field));
   std::string piece =
       fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", nodes, cells);
   piece += "<Points>\n" + file.tag({"Float64", "Points", 3, nodes * 24}) + "</Points>\n<Cells>\n";
@@ -159,7 +171,9 @@ void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
   piece += file.tag({integer, "offsets", 0, cells * width});
   piece += file.tag({"UInt8", "types", 0, cells});
   piece += "</Cells>\n<CellData Scalars=\"region\">\n";
-  piece += file.tag({"Int32", "region", 0, cells * 4}) + "</CellData>\n";
+  piece += file.tag({"Int32", "region", 0, cells * 4});
+  if (!zones.empty()) piece += file.tag({"Int32", "zone", 0, cells * 4});
+  piece += "</CellData>\n";
   file.write_head(file_head("UnstructuredGrid", placement, fields, file) + piece +
                   file_middle("UnstructuredGrid"));
   file.write_next(
@@ -182,6 +196,10 @@ void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
           append_raw(buffer, building_of_prism(mesh, static_cast<std::int64_t>(i - rows)).value());
       },
       portion(progress, 0.9, 1));
+  if (!zones.empty())
+    file.write_next(cells, [&](std::size_t begin, std::size_t end, std::string& buffer) {
+      for (std::size_t c = begin; c < end; ++c) append_raw(buffer, zones.of_cell[c]);
+    });
   write_fields(file, fields);
   file.commit(kFileTail);
 }

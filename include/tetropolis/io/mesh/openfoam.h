@@ -8,6 +8,7 @@
 
 #include "tetropolis/core/progress.h"
 #include "tetropolis/io/file/placement.h"
+#include "tetropolis/volume/cell_zones.h"
 #include "tetropolis/volume/column/boundary.h"
 #include "tetropolis/volume/column/column_mesh.h"
 
@@ -24,12 +25,16 @@ namespace tetropolis {
 /// roof, wall) have the type `wall`, the others `patch`. Placement::origin is the `note` in the
 /// header of points.
 ///
+/// `zones`, if there are any, are written into the file cellZones, even those without cells, each
+/// with the further entries height, base (metres) and leafAreaDensity (1/m), which OpenFOAM skips;
+/// without any, a file cellZones of an earlier mesh is removed.
+///
 /// Precondition: `surface` is extract_boundary of `mesh`, else Error(kGuarantee). Streams: memory
 /// beside mesh and surface is a few numbers per ground vertex, triangle and boundary point. The
 /// files appear when all are complete. Throws Error(kInput) if they cannot be written or the mesh
 /// has more face corners than a 32-bit label can count (about 350 million cells), Cancelled.
 void write_openfoam(const std::filesystem::path& folder, const ColumnMesh& mesh,
                     const SurfaceMesh& surface, const Placement& placement,
-                    const Progress& progress = {});
+                    const Progress& progress = {}, const CellZones& zones = {});
 
 }  // namespace tetropolis

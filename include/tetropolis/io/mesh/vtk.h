@@ -12,6 +12,7 @@
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/io/file/compression.h"
 #include "tetropolis/io/file/placement.h"
+#include "tetropolis/volume/cell_zones.h"
 #include "tetropolis/volume/column/boundary.h"
 #include "tetropolis/volume/column/column_mesh.h"
 #include "tetropolis/volume/tet_mesh.h"
@@ -28,10 +29,13 @@ namespace tetropolis {
 /// `building_id` and `building_source_ids`, a JSON list (UTF-8 in UInt8, a zero byte behind each
 /// building's; arrays of type String end meshio), `building_h_ground` and `building_h_roof`
 /// (Float64, elevations in metres).
+///
+/// `zones`, if there are any, become the cell data `zone` (Int32: CellZones::of_cell) and the field
+/// data `zone_name` (UInt8, as above) and `zone_leaf_area_density` (Float64, 1/m).
 void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
                const Placement& placement, const Progress& progress = {},
                Compression compression = Compression::kNone,
-               std::span<const Building> buildings = {});
+               std::span<const Building> buildings = {}, const CellZones& zones = {});
 
 /// Writes a surface with the cell data `patch` (Int32, see Patch) and `building` (Int32: by
 /// position in the city model, or -1); points and triangles as they are numbered in `surface`.
