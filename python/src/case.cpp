@@ -41,6 +41,8 @@ nb::dict dict_of(const OpenfoamCase& made) {
         std::string(kSideRoleNames[static_cast<std::size_t>(side.role)]).c_str();
   nb::dict result;
   result["sides"] = sides;
+  result["canopies"] = made.canopies;
+  result["canopy_cells"] = made.canopy_cells;
   result["ground_faces"] = made.ground_faces;
   result["first_cell"] = made.first_cell;
   result["shallow"] = made.shallow;
@@ -55,8 +57,8 @@ nb::list case_openfoam(const std::filesystem::path& folder, double speed,
                        const std::vector<std::array<double, 3>>& levels, double height,
                        double roughness, double ground,
                        const std::map<std::string, double>& patches, double building,
-                       double sample_height, double sample_spacing, int iterations,
-                       const std::string& dialect, bool overwrite) {
+                       double leaf_drag, double sample_height, double sample_spacing,
+                       int iterations, const std::string& dialect, bool overwrite) {
   OpenfoamCaseOptions options;
   options.wind = wind_of(speed, several ? 0 : from.at(0), height, roughness);
   for (const std::array<double, 3>& level : levels)
@@ -70,6 +72,7 @@ nb::list case_openfoam(const std::filesystem::path& folder, double speed,
   options.ground_roughness = ground;
   for (const auto& [patch, value] : patches) options.patch_roughness[patch] = value;
   options.building_roughness = building;
+  options.leaf_drag = leaf_drag;
   options.sample_height = sample_height;
   options.sample_spacing = sample_spacing;
   options.iterations = iterations;
@@ -101,7 +104,8 @@ void bind_case(nb::module_& module) {
   module.def("case_openfoam", case_openfoam, nb::arg("folder"), nb::arg("wind_speed"),
              nb::arg("wind_from"), nb::arg("several"), nb::arg("wind_profile"),
              nb::arg("wind_height"), nb::arg("roughness"), nb::arg("ground_roughness"),
-             nb::arg("patch_roughness"), nb::arg("building_roughness"), nb::arg("sample_height"),
+             nb::arg("patch_roughness"), nb::arg("building_roughness"), nb::arg("leaf_drag"),
+             nb::arg("sample_height"),
              nb::arg("sample_spacing"), nb::arg("iterations"), nb::arg("dialect"),
              nb::arg("overwrite"));
   module.def("case_fenicsx", case_fenicsx, nb::arg("folder"), nb::arg("wind_speed"),

@@ -183,16 +183,16 @@ bool save_volume(const Mesh& mesh, const std::filesystem::path& path, const Savi
   const SurfaceMesh& patches = saving.building_patches ? by_building : boundary;
   if (format == "vtu")
     write_vtu(path, mesh.volume(), saving.placement, progress, saving.compression,
-              mesh.made.city.buildings);
+              mesh.made.city.buildings, mesh.mesh().zones);
   else if (format == "xdmf")
     write_xdmf(path, boundary_beside(path), mesh.volume(), boundary, saving.placement, progress,
                saving.compression);
   else if (format == "msh")
-    write_msh(path, mesh.volume(), patches, saving.placement, progress);
+    write_msh(path, mesh.volume(), patches, saving.placement, progress, mesh.mesh().zones);
   else if (format == "msh2")
-    write_msh2(path, mesh.volume(), patches, saving.placement, progress);
+    write_msh2(path, mesh.volume(), patches, saving.placement, progress, mesh.mesh().zones);
   else if (format == "vtkhdf")
-    write_vtkhdf(path, mesh.volume(), saving.placement, progress);
+    write_vtkhdf(path, mesh.volume(), saving.placement, progress, mesh.mesh().zones);
   else if (format == "cgns")
     write_cgns(path, mesh.volume(), patches, saving.placement, progress);
   else if (format == "fluent")
@@ -200,7 +200,7 @@ bool save_volume(const Mesh& mesh, const std::filesystem::path& path, const Savi
   else if (format == "su2")
     write_su2(path, mesh.volume(), patches, saving.placement, progress);
   else if (format == "polymesh")
-    write_openfoam(path, mesh.volume(), patches, saving.placement, progress);
+    write_openfoam(path, mesh.volume(), patches, saving.placement, progress, mesh.mesh().zones);
   else
     return false;
   return true;
@@ -305,6 +305,16 @@ void bind_mesh(nb::module_& module) {
       .def("wedges", wedges_of)
       .def("regions", regions_over, nb::arg("begin"), nb::arg("end"))
       .def("end_of_block", end_of_block, nb::arg("begin"), nb::arg("size"))
+      .def_prop_ro(
+          "zone", [](Self self) { return view<std::int32_t>(self.p->mesh().zones.of_cell, self.h); },
+          kArray)
+      .def_prop_ro("zones",
+                   [](const Mesh& self) {
+                     std::vector<std::string> names;
+                     for (const CellZone& zone : self.mesh().zones.zones)
+                       names.push_back(zone.name);
+                     return names;
+                   })
       .def_prop_ro("boundary", [](Mesh& self) -> SurfaceMesh& { return self.made.mesh.boundary; })
       .def_prop_ro(
           "ground_vertices",

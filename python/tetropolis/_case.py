@@ -14,7 +14,7 @@ def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5,
                   wind_profile: Iterable[tuple[float, float, float]] = (), wind_height: float = 10,
                   roughness: float = 0.5, ground_roughness: float = 0,
                   patch_roughness: Mapping[str, float] | None = None, building_roughness: float = 0.01,
-                  sample_height: float = 1.75, sample_spacing: float = 2, iterations: int = 500,
+                  leaf_drag: float = 0.2, sample_height: float = 1.75, sample_spacing: float = 2, iterations: int = 500,
                   dialect: Literal["com", "org"] = "com", overwrite: bool = False) -> dict[str, Any] | list[dict[str, Any]]:
     """Makes a folder with a mesh for OpenFOAM a case of wind that its `Allrun` solves.
 
@@ -37,6 +37,8 @@ def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5,
         That of patches of the ground by name, instead of water 0.0002, road 0.005 and vegetation 0.1.
     building_roughness : float
         That of roofs and walls; 0: smooth.
+    leaf_drag : float
+        Drag coefficient of the leaves in canopies.
     sample_height, sample_spacing : float
         Where people feel the wind, above the ground, and the spacing of points there, metres.
     iterations : int
@@ -49,7 +51,7 @@ def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5,
     Returns
     -------
     dict
-        'sides', what the wind does at each; 'first_cell', the median height of cells on the ground; 'shallow', how
+        'sides', what the wind does at each; 'canopies', how many zones of 'canopy_cells' slow the wind; 'first_cell', the median height of cells on the ground; 'shallow', how
         many of the 'ground_faces' have a cell lower than four roughness lengths, where the wind comes out too fast;
         'samples' and 'sample_spacing'. A list of them for several winds.
 
@@ -65,7 +67,7 @@ def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5,
     cases = _core.case_openfoam(Path(folder), wind_speed, winds, several,
                                 [(float(z), float(u), float(k)) for z, u, k in wind_profile], wind_height,
                                 roughness, ground_roughness, dict(patch_roughness or {}), building_roughness,
-                                sample_height, sample_spacing, iterations, dialect, overwrite)
+                                leaf_drag, sample_height, sample_spacing, iterations, dialect, overwrite)
     return cases if several else cases[0]
 
 

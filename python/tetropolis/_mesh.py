@@ -220,6 +220,17 @@ class Mesh(Reported):
         Prisms stand over none."""
         return self._core.regions(0, self._core.n_rows)
 
+    @cached_property
+    def zone(self) -> Ints:
+        """The canopy that each cell is in, tetrahedra first: 0 for none, else 1 + its position in `zones`; shape
+        (n_cells,)."""
+        return self._core.zone if self.zones else np.zeros(self.n_cells, np.int32)
+
+    @property
+    def zones(self) -> list[str]:
+        """Names of the canopies: "canopy_1", ...; the report has their heights."""
+        return self._core.zones
+
     @property
     def _no_region(self) -> Ints:
         return np.full(len(self.wedges), -1, np.int32)

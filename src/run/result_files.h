@@ -23,6 +23,7 @@ inline constexpr const char* kCity = "city.city.json";
 inline constexpr const char* kTerrain = "dtm.tif";
 inline constexpr const char* kLayers = "buildings.gpkg";
 inline constexpr const char* kPage = "index.html";
+inline constexpr const char* kCellZones = "constant/polyMesh/cellZones";  ///< With canopies.
 inline constexpr const char* kManifest = "manifest.json";
 inline constexpr const char* kTruth = "truth.city.json";
 
@@ -30,7 +31,7 @@ inline constexpr const char* kTruth = "truth.city.json";
 inline constexpr std::array kOfCity = {kRawCity, kCity, kTerrain, kLayers};
 
 /// Of runs that make meshes.
-inline constexpr std::array<ResultFile, 23> kOfMesh = {{
+inline constexpr std::array<ResultFile, 24> kOfMesh = {{
     {"volume.vtu", "vtu"},
     {"volume.xdmf", "xdmf"},
     {"volume.h5", "xdmf"},
@@ -47,6 +48,7 @@ inline constexpr std::array<ResultFile, 23> kOfMesh = {{
     {"constant/polyMesh/owner", "openfoam"},
     {"constant/polyMesh/neighbour", "openfoam"},
     {"constant/polyMesh/boundary", "openfoam"},
+    {kCellZones, "openfoam"},
     {kPage, "html"},
     {"boundary.vtp", ""},
     {"surface.vtp", ""},

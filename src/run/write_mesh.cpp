@@ -59,14 +59,16 @@ void write_volume(const Config& config, const CityMesh& city_mesh,
        }},
       {"msh",
        [&](const Progress& p) {
-         write_msh(out.result("volume.msh"), mesh, patches, placement, p);
+         write_msh(out.result("volume.msh"), mesh, patches, placement, p, zones);
        }},
       {"msh2",
        [&](const Progress& p) {
-         write_msh2(out.result("volume_msh2.msh"), mesh, patches, placement, p);
+         write_msh2(out.result("volume_msh2.msh"), mesh, patches, placement, p, zones);
        }},
       {"vtkhdf",
-       [&](const Progress& p) { write_vtkhdf(out.result("volume.vtkhdf"), mesh, placement, p); }},
+       [&](const Progress& p) {
+         write_vtkhdf(out.result("volume.vtkhdf"), mesh, placement, p, zones);
+       }},
       {"cgns",
        [&](const Progress& p) {
          write_cgns(out.result("volume.cgns"), mesh, patches, placement, p);
@@ -81,8 +83,9 @@ void write_volume(const Config& config, const CityMesh& city_mesh,
        }},
       {"openfoam",
        [&](const Progress& p) {
-         write_openfoam(out.result("constant/polyMesh", results::of_format("openfoam")), mesh,
-                        patches, placement, p, zones);
+         std::vector<std::string> files = results::of_format("openfoam");
+         if (zones.empty()) std::erase(files, results::kCellZones);
+         write_openfoam(out.result("constant/polyMesh", files), mesh, patches, placement, p, zones);
        }},
   }};
   std::vector<const Write*> wanted;

@@ -58,13 +58,14 @@ void append_entity(std::string& buffer, std::int32_t number, const Box& box) {
 }
 
 std::string head(const std::vector<PatchFaces>& patches, const SurfaceMesh& surface,
-                 const Placement& placement) {
+                 const Placement& placement, const CellZones& zones) {
   std::string text = "$MeshFormat\n4.1 1 8\n";
   append_raw(text, std::int32_t{1});
   text += fmt::format("\n$EndMeshFormat\n$Comments\norigin {} {} {}\n$EndComments\n",
                       placement.origin[0], placement.origin[1], placement.origin[2]);
-  text += physical_names(patches, surface) + "$Entities\n";
-  for (const std::size_t count : {std::size_t{0}, std::size_t{0}, patches.size(), std::size_t{1}})
+  text += physical_names(patches, surface, zones) + "$Entities\n";
+  const std::vector<std::int32_t> volumes = volumes_of(zones);
+  for (const std::size_t count : {std::size_t{0}, std::size_t{0}, patches.size(), volumes.size()})
     append_size(text, count);
   for (const PatchFaces& range : patches) {
     append_entity(
@@ -72,9 +73,14 @@ std::string head(const std::vector<PatchFaces>& patches, const SurfaceMesh& surf
         box_of(surface, range.begin, range.begin + range.triangles + 2 * range.quads, placement));
     append_size(text, 0);  // no bounding curves
   }
-  append_entity(text, kAirPhysicalGroup, box_of(surface, 0, surface.triangles.size(), placement));
-  append_size(text, patches.size());
-  for (const PatchFaces& range : patches) append_raw(text, static_cast<std::int32_t>(range.patch));
+  for (const std::int32_t zone : volumes) {
+    append_entity(text, volume_group(zone),
+                  box_of(surface, 0, surface.triangles.size(), placement));
+    append_size(text, zone == 0 ? patches.size() : 0);
+    if (zone > 0) continue;
+    for (const PatchFaces& range : patches)
+      append_raw(text, static_cast<std::int32_t>(range.patch));
+  }
   return text + "\n$EndEntities\n";
 }
 
@@ -129,11 +135,11 @@ void write_faces(AtomicFile& file, const std::vector<PatchFaces>& patches,
     }
 }
 
-/// The cells of some rows of cell_rows(), all of one type; elements are numbered after the faces.
+/// The cells in no zone, `count` of them, of some rows of cell_rows(), all of one type; elements are numbered after the faces.
 void write_cells(AtomicFile& file, const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
-                 std::size_t first_row, std::size_t end_row, std::int32_t type, std::size_t faces,
+                 const CellZones& zones, std::size_t count, std::size_t first_row,
+                 std::size_t end_row, std::int32_t type, std::size_t faces,
                  const Progress& progress) {
-  const std::size_t count = first_cell_of(cells, end_row) - first_cell_of(cells, first_row);
   if (count == 0) return;
   file.write(begin_elements(3, kAirPhysicalGroup, type, count));
   const std::uint64_t bytes = count * 7 * sizeof(std::uint64_t);
@@ -143,17 +149,44 @@ void write_cells(AtomicFile& file, const ColumnMesh& mesh, const std::vector<Cel
         std::size_t element = faces + first_cell_of(cells, first_row + begin);
         for (std::size_t row = first_row + begin; row < first_row + end; ++row)
           for_each_cell_of(mesh, cells, row, [&](const auto& nodes) {
-            append_size(buffer, ++element);
+            const std::size_t cell = element++ - faces;
+            if (!zones.empty() && zones.of_cell[cell] != 0) return;
+            append_size(buffer, element);
             for (const NodeIndex node : nodes) append_raw(buffer, node + 1);
           });
       },
       progress);
 }
 
+/// The cells in zones, which are few: blocks by zone and type.
+struct ZoneBlock {
+  std::size_t count = 0;
+  std::string elements;
+};
+
+/// Per zone a block of tets and one of prisms, after two that stay empty; elements are numbered
+/// after the faces.
+std::vector<ZoneBlock> zone_blocks(const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
+                                   const CellZones& zones, std::size_t faces) {
+  std::vector<ZoneBlock> blocks(2 * (zones.zones.size() + 1));
+  if (zones.empty()) return blocks;
+  for (std::size_t row = 0, cell = 0; row < cell_rows(mesh, cells); ++row)
+    for_each_cell_of(mesh, cells, row, [&](const auto& nodes) {
+      const std::int32_t zone = zones.of_cell[cell++];
+      if (zone == 0) return;
+      ZoneBlock& block = blocks[2 * static_cast<std::size_t>(zone) + (nodes.size() == 4 ? 0 : 1)];
+      ++block.count;
+      append_size(block.elements, faces + cell);
+      for (const NodeIndex node : nodes) append_raw(block.elements, node + 1);
+    });
+  return blocks;
+}
+
 }  // namespace
 
 void write_msh(const std::filesystem::path& path, const ColumnMesh& mesh,
-               const SurfaceMesh& surface, const Placement& placement, const Progress& progress) {
+               const SurfaceMesh& surface, const Placement& placement, const Progress& progress,
+               const CellZones& zones) {
   require_boundary_of(mesh, surface);
   const std::vector<CellIndex> cells = cell_offsets(mesh);
   const std::vector<PatchFaces> patches = faces_of_patches(surface);
@@ -161,9 +194,16 @@ void write_msh(const std::filesystem::path& path, const ColumnMesh& mesh,
   const CellCounts counts = count_cells(mesh, cells);
   const std::size_t elements = faces + counts.all();
   AtomicFile file(path);
-  file.write(head(patches, surface, placement));
+  file.write(head(patches, surface, placement, zones));
   write_nodes(file, mesh, placement, portion(progress, 0, 0.2));
-  std::size_t blocks = counts.prisms > 0 ? 2 : 1;
+  const std::vector<ZoneBlock> in_zones = zone_blocks(mesh, cells, zones, faces);
+  std::array<std::size_t, 2> in_air = {counts.tets, counts.prisms};
+  std::size_t blocks = 0;
+  for (std::size_t b = 0; b < in_zones.size(); ++b) {
+    in_air[b % 2] -= in_zones[b].count;
+    blocks += in_zones[b].count > 0 ? 1 : 0;
+  }
+  for (const std::size_t count : in_air) blocks += count > 0 ? 1 : 0;
   for (const PatchFaces& range : patches)
     blocks += (range.triangles > 0 ? 1U : 0U) + (range.quads > 0 ? 1U : 0U);
   std::string begin = "$Elements\n";
@@ -172,9 +212,16 @@ void write_msh(const std::filesystem::path& path, const ColumnMesh& mesh,
   file.write(begin);
   write_faces(file, patches, surface);
   const std::size_t tet_rows = cells.size() - 1;
-  write_cells(file, mesh, cells, 0, tet_rows, kTet, faces, portion(progress, 0.2, 0.9));
-  write_cells(file, mesh, cells, tet_rows, cell_rows(mesh, cells), kPrism, faces,
+  write_cells(file, mesh, cells, zones, in_air[0], 0, tet_rows, kTet, faces,
+              portion(progress, 0.2, 0.9));
+  write_cells(file, mesh, cells, zones, in_air[1], tet_rows, cell_rows(mesh, cells), kPrism, faces,
               portion(progress, 0.9, 1));
+  for (std::size_t b = 0; b < in_zones.size(); ++b) {
+    if (in_zones[b].count == 0) continue;
+    file.write(begin_elements(3, volume_group(static_cast<std::int32_t>(b / 2)),
+                              b % 2 == 0 ? kTet : kPrism, in_zones[b].count));
+    file.write(in_zones[b].elements);
+  }
   file.write("\n$EndElements\n");
   file.commit();
 }

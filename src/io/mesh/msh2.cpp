@@ -62,7 +62,7 @@ void write_faces(AtomicFile& file, const std::vector<PatchFaces>& patches,
 }
 
 void write_cells(AtomicFile& file, const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
-                 std::size_t faces, const Progress& progress) {
+                 const CellZones& zones, std::size_t faces, const Progress& progress) {
   constexpr std::uint64_t kBytes = 45;
   const std::size_t rows = cell_rows(mesh, cells);
   write_chunked(
@@ -71,7 +71,9 @@ void write_cells(AtomicFile& file, const ColumnMesh& mesh, const std::vector<Cel
         std::size_t element = faces + first_cell_of(cells, begin);
         for (std::size_t row = begin; row < end; ++row)
           for_each_cell_of(mesh, cells, row, [&](const auto& nodes) {
-            append_element(buffer, ++element, nodes.size() == 4 ? kTet : kPrism, kAirPhysicalGroup);
+            const std::int32_t zone = zones.empty() ? 0 : zones.of_cell[element - faces];
+            append_element(buffer, ++element, nodes.size() == 4 ? kTet : kPrism,
+                           volume_group(zone));
             for (const NodeIndex node : nodes) append_node(buffer, node);
             buffer += '\n';
           });
@@ -82,7 +84,8 @@ void write_cells(AtomicFile& file, const ColumnMesh& mesh, const std::vector<Cel
 }  // namespace
 
 void write_msh2(const std::filesystem::path& path, const ColumnMesh& mesh,
-                const SurfaceMesh& surface, const Placement& placement, const Progress& progress) {
+                const SurfaceMesh& surface, const Placement& placement, const Progress& progress,
+                const CellZones& zones) {
   require_boundary_of(mesh, surface);
   const std::vector<CellIndex> cells = cell_offsets(mesh);
   const std::vector<PatchFaces> patches = faces_of_patches(surface);
@@ -91,11 +94,11 @@ void write_msh2(const std::filesystem::path& path, const ColumnMesh& mesh,
   file.write(fmt::format(
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Comments\norigin {} {} {}\n$EndComments\n",
       placement.origin[0], placement.origin[1], placement.origin[2]));
-  file.write(physical_names(patches, surface));
+  file.write(physical_names(patches, surface, zones));
   write_nodes(file, mesh, placement, portion(progress, 0, 0.2));
   file.write(fmt::format("$Elements\n{}\n", faces + count_cells(mesh, cells).all()));
   write_faces(file, patches, surface);
-  write_cells(file, mesh, cells, faces, portion(progress, 0.2, 1));
+  write_cells(file, mesh, cells, zones, faces, portion(progress, 0.2, 1));
   file.write("$EndElements\n");
   file.commit();
 }

@@ -1,6 +1,8 @@
 // The section $PhysicalNames of MSH files of both versions.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -12,14 +14,30 @@
 
 namespace tetropolis {
 
-/// Patches by their number, and the air.
+/// Of the cells with this number of CellZones::of_cell.
+inline int volume_group(std::int32_t zone) { return kAirPhysicalGroup + zone; }
+
+/// Numbers of CellZones::of_cell that cells have: 0 first.
+inline std::vector<std::int32_t> volumes_of(const CellZones& zones) {
+  std::vector<std::int32_t> volumes{0};
+  for (std::size_t i = 0; i < zones.zones.size(); ++i)
+    if (zones.zones[i].cells > 0) volumes.push_back(static_cast<std::int32_t>(i) + 1);
+  return volumes;
+}
+
+/// Patches by their number, the air and zones in it.
 inline std::string physical_names(const std::vector<PatchFaces>& patches,
-                                  const SurfaceMesh& surface) {
-  std::string text = fmt::format("$PhysicalNames\n{}\n", patches.size() + 1);
+                                  const SurfaceMesh& surface, const CellZones& zones) {
+  const std::vector<std::int32_t> volumes = volumes_of(zones);
+  std::string text =
+      fmt::format("$PhysicalNames\n{}\n", patches.size() + volumes.size());
   for (const PatchFaces& range : patches)
     text += fmt::format("2 {} \"{}\"\n", static_cast<int>(range.patch),
                         surface.patches.of(range.patch).name);
-  return text + fmt::format("3 {} \"air\"\n$EndPhysicalNames\n", kAirPhysicalGroup);
+  for (const std::int32_t zone : volumes)
+    text += fmt::format("3 {} \"{}\"\n", volume_group(zone),
+                        zone == 0 ? "air" : zones.zones[static_cast<std::size_t>(zone) - 1].name);
+  return text + "$EndPhysicalNames\n";
 }
 
 }  // namespace tetropolis

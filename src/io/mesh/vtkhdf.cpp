@@ -49,13 +49,14 @@ void make_root(const Hdf5File& file) {
 }  // namespace
 
 void write_vtkhdf(const std::filesystem::path& path, const ColumnMesh& mesh,
-                  const Placement& placement, const Progress& progress) {
+                  const Placement& placement, const Progress& progress,
+                  const CellZones& zones) {
   const std::vector<CellIndex> cells = cell_offsets(mesh);
   const auto nodes = static_cast<std::uint64_t>(mesh.node_count());
   const CellCounts counts = count_cells(mesh, cells);
   const std::uint64_t count = counts.all();
   const std::size_t rows = cells.size() - 1;
-  const std::array<Hdf5Dataset, 9> datasets{{
+  std::vector<Hdf5Dataset> datasets{
       {"/VTKHDF/NumberOfPoints", Hdf5Type::kInt64, 1, 0},
       {"/VTKHDF/NumberOfCells", Hdf5Type::kInt64, 1, 0},
       {"/VTKHDF/NumberOfConnectivityIds", Hdf5Type::kInt64, 1, 0},
@@ -65,7 +66,9 @@ void write_vtkhdf(const std::filesystem::path& path, const ColumnMesh& mesh,
       {"/VTKHDF/Types", Hdf5Type::kUint8, count, 0},
       {"/VTKHDF/CellData/region", Hdf5Type::kInt32, count, 0},
       {"/VTKHDF/FieldData/origin", Hdf5Type::kFloat64, 3, 0},
-  }};
+  };
+  if (!zones.empty())
+    datasets.insert(datasets.end() - 1, {"/VTKHDF/CellData/zone", Hdf5Type::kInt32, count, 0});
   Hdf5Output file(path, datasets, make_root);
   const auto write_numbers = [&](std::size_t size, const auto& number, const Progress& part = {}) {
     file.write_next(
@@ -107,6 +110,7 @@ void write_vtkhdf(const std::filesystem::path& path, const ColumnMesh& mesh,
           append_raw(buffer, building_of_prism(mesh, static_cast<std::int64_t>(i - rows)).value());
       },
       portion(progress, 0.9, 1));
+  if (!zones.empty()) write_numbers(count, [&](std::size_t i) { return zones.of_cell[i]; });
   write_numbers(3, [&](std::size_t i) { return placement.origin[i]; });
   file.commit();
 }
