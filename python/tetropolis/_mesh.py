@@ -269,7 +269,7 @@ class Mesh(Reported):
         return quality
 
     def to_pyvista(self, coordinates: Coordinates = "local") -> pyvista.UnstructuredGrid:
-        """With the cell data `region`, and the field data `origin`.
+        """With the cell data `region`, `zone` if there are canopies, and the field data `origin`.
 
         Parameters
         ----------
@@ -282,17 +282,22 @@ class Mesh(Reported):
         cells = {kind: cells for kind, cells in kinds.items() if len(cells)}
         grid = pyvista.UnstructuredGrid(cells, self.points + _shift(self.origin, coordinates))
         grid.cell_data["region"] = np.concatenate([self.region, self._no_region])
+        if self.zones:
+            grid.cell_data["zone"] = self.zone
         grid.field_data["origin"] = self.origin if coordinates == "local" else (0.0, 0.0, 0.0)
         return grid
 
     def to_meshio(self, coordinates: Coordinates = "local") -> meshio.Mesh:
-        """With the cell data `region`. `coordinates` as for `to_pyvista`."""
+        """With the cell data `region`, and `zone` if there are canopies. `coordinates` as for `to_pyvista`."""
         import meshio
 
         kinds = [("tetra", self.cells, self.region), ("wedge", self.wedges, self._no_region)]
         cells = [(name, cells) for name, cells, _ in kinds if len(cells)]
         regions = [regions for _, cells, regions in kinds if len(cells)]
-        return meshio.Mesh(self.points + _shift(self.origin, coordinates), cells, cell_data={"region": regions})
+        data = {"region": regions}
+        if self.zones:
+            data["zone"] = [zone for zone in np.split(self.zone, [len(self.cells)]) if len(zone)]
+        return meshio.Mesh(self.points + _shift(self.origin, coordinates), cells, cell_data=data)
 
     @takes_settings("save")
     def save(self, path: str | os.PathLike[str], *, progress: Progress = None, **settings: Unpack[Save]) -> None:

@@ -1,6 +1,6 @@
 """Cases for solvers: the wind at their inlets against its formula, and whether solvers run them.
 
-case_test.py PROGRAM inlet|rose|surfaces|openfoam|fenicsx; exit 77 where the solver is not installed.
+case_test.py PROGRAM inlet|rose|surfaces|canopies|openfoam|fenicsx; exit 77 where the solver is not installed.
 """
 
 import array
@@ -322,6 +322,114 @@ def check_surfaces(program, folder):
     nut = (case / "0/nut").read_text()
     for name, roughness in ("water", 0.0002), ("road", 0.02), ("vegetation", 0.1), ("ground", ROUGHNESS):
         assert re.search(rf"\n    {name} {{ type nutkAtmRoughWallFunction; z0 uniform {roughness};", nut), name
+
+
+def check_canopies(program, folder):
+    """Trees on flat ground: their cells, heights of attributes and points, and the wind behind them."""
+    west, south = 319000, 6396000
+
+    def layer(name, *features):
+        (folder / name).write_text(json.dumps({"type": "FeatureCollection", "features": [
+            {"type": "Feature", "properties": values, "geometry": {"type": "Polygon", "coordinates": [
+                [[west + x, south + y] for x, y in ((x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0))]]}}
+            for values, (x0, y0, x1, y1) in features], "crs": {
+                "type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::3006"}}}))
+        return folder / name
+
+    def build(name, *more):
+        out = folder / name
+        run(program, "build", "--terrain-only", "--ground-level", 0, "--raster-crs", "EPSG:3006", "--bounds", west,
+            south, west + 200, south + 100, "--domain-height", 50, "--mesh-size", 6, "--formats", "openfoam", "vtu",
+            "msh", "msh2", "vtkhdf", "--no-html", "--quiet", "--out", out, *more)
+        return out
+
+    hedge = (80, -10, 95, 110)
+    trees = layer("trees.geojson", ({"h": 10, "leaf_area_density": 1.0}, hedge), ({"h": "12 cm"}, (0, 0, 9, 9)),
+                  ({"h": None}, (0, 50, 9, 59)), ({"h": 8, "crown_base": 3.0}, (150, 20, 170, 60)),
+                  ({"h": 8}, (900, 900, 910, 910)))
+    case, bare = build("trees", "--canopies", f"{trees}:h", "--leaf-area-density", 0.7), build("bare")
+    report = json.loads((case / "report.json").read_text())
+    found = report["canopies"]
+    assert [(zone["name"], zone["height"], zone["base"], zone["leaf_area_density"]) for zone in found] == [
+        ("canopy_1", 10, 0, 1), ("canopy_2", 8, 3, 0.7)], found
+    assert {w["code"]: w["count"] for w in report["warnings"]}["canopy_left_out"] == 2, report["warnings"]
+    # The files of a mesh without canopies say nothing of them.
+    assert "constant/polyMesh/cellZones" in report["files"] and not (bare / "constant/polyMesh/cellZones").exists()
+    for name in "points", "faces", "owner", "neighbour", "boundary":
+        assert (case / "constant/polyMesh" / name).read_bytes() == (bare / "constant/polyMesh" / name).read_bytes(), name
+    zones = {name: list(map(int, labels.split())) for name, labels in re.findall(
+        r"(\w+)\s*\{[^}]*List<label>\s*\d+\s*\(([^)]*)\)", (case / "constant/polyMesh/cellZones").read_text())}
+    assert {name: len(cells) for name, cells in zones.items()} == {z["name"]: z["cells"] for z in found}, found
+    # Volumes of the zones, by the mesh: the hedge, and the trees on stems.
+    points, faces, owner, neighbour = (lists(case / "constant/polyMesh" / name, kind, width) for name, kind, width in (
+        ("points", "d", 3), ("faces", "i", 1), ("owner", "i", 1), ("neighbour", "i", 1)))
+    at = list(zip(points[0][0::3], points[0][1::3], points[0][2::3]))
+    volume, corners = {}, {}
+    for f, (begin, end) in enumerate(zip(faces[0], faces[0][1:])):
+        ring = [at[p] for p in faces[1][begin:end]]
+        for cell, sign in [(owner[0][f], 1)] + ([(neighbour[0][f], -1)] if f < len(neighbour[0]) else []):
+            corners.setdefault(cell, set()).update(faces[1][begin:end])
+            for a, b, c in ((ring[0], ring[i], ring[i + 1]) for i in range(1, len(ring) - 1)):
+                volume[cell] = volume.get(cell, 0) + sign / 6 * sum(
+                    a[i] * (b[i - 2] * c[i - 1] - b[i - 1] * c[i - 2]) for i in range(3))
+    for name, x0, x1, y0, y1, low, high in ("canopy_1", 80, 95, 0, 100, 0, 10), ("canopy_2", 150, 170, 20, 60, 3, 8):
+        inside = {cell for cell, nodes in corners.items() if all(
+            a < sum(at[p][i] for p in nodes) / len(nodes) <= b for i, (a, b) in enumerate(
+                ((x0, x1), (y0, y1), (low, high))))}
+        assert inside == set(zones[name]), (name, len(inside), len(zones[name]))
+        whole = (x1 - x0) * (y1 - y0) * (high - low)
+        assert math.isclose(sum(volume[c] for c in inside), whole, rel_tol=0.15), (name, sum(volume[c] for c in inside))
+    # The same cells in the other formats.
+    text = (case / "volume_msh2.msh").read_text()
+    numbers = {name: int(number) for number, name in re.findall(r'^3 (\d+) "(\w+)"$', text, re.M)}
+    elements = [row.split() for row in text.split("$Elements\n")[1].split("\n$End")[0].splitlines()[1:]]
+    cells = [row for row in elements if row[1] in "46"]
+    for name, labels in zones.items():
+        assert {i for i, row in enumerate(cells) if int(row[3]) == numbers[name]} == set(labels), name
+    vtu = (case / "volume.vtu").read_bytes()
+    offset = int(re.search(rb'Name="zone"[^>]*offset="(\d+)"', vtu)[1])
+    start = vtu.index(b'encoding="raw">') + len(b'encoding="raw">\n_') + offset
+    zone = array.array("i")
+    zone.frombytes(vtu[start + 8:start + 8 + 4 * len(cells)])
+    assert [c for c, z in enumerate(zone) if z == 1] == zones["canopy_1"]
+    assert [c for c, z in enumerate(zone) if z == 2] == zones["canopy_2"]
+    # Without points nothing tells how high trees are.
+    done = subprocess.run([str(w) for w in (program, "build", "--terrain-only", "--ground-level", 0, "--bounds", west,
+                                            south, west + 200, south + 100, "--canopies", trees, "--out",
+                                            folder / "none")], capture_output=True, text=True)
+    assert done.returncode == 3 and "points of classes 3 to 5" in done.stderr, done
+
+    means = {}
+    for folder_of, more in (case, []), (bare, []):
+        said = run(program, "case", "openfoam", folder_of, "--wind-from", 270, "--wind-speed", 6, "--roughness", 0.03,
+                   "--iterations", 60, *more)
+        assert ("canopies 2 zones" in said) == (folder_of == case), said
+        options = folder_of / "constant/fvOptions"
+        assert options.exists() == (folder_of == case)
+        if options.exists():  # 2 Cd LAD
+            assert re.findall(r"\bf +\((\S+)", options.read_text()) == ["0.4", "0.28"], options.read_text()
+        if not shutil.which("simpleFoam"):
+            continue
+        checked = run("checkMesh", "-case", folder_of, env={"WM_PROJECT_DIR": "/usr/share/openfoam", **os.environ})
+        assert "Mesh OK" in checked, checked
+        run(folder_of / "Allrun", env={**os.environ, "FOAM_SIGFPE": "true"})
+        rows = [list(map(float, row.split())) for path in folder_of.glob("postProcessing/pedestrian/60/*")
+                for row in path.read_text().splitlines() if not row.startswith("#")]
+        for name, x0, x1 in ("before", 20, 50), ("in", 82, 93), ("behind", 100, 130):
+            speeds = [math.hypot(*row[3:6]) for row in rows if x0 < row[0] < x1 and 20 < row[1] < 80]
+            means.setdefault(name, []).append(sum(speeds) / len(speeds))
+    # A case without canopies that replaces one has no drag.
+    for name in ("cellZones",):
+        (case / "constant/polyMesh" / name).unlink()
+    run(program, "case", "openfoam", case, "--overwrite")
+    assert not (case / "constant/fvOptions").exists()
+    if not means:
+        return SKIPPED
+    print({name: f"{slow:.2f} m/s for {plain:.2f}" for name, (slow, plain) in means.items()})
+    assert means["behind"][0] < 0.6 * means["behind"][1], means
+    assert means["in"][0] < 0.6 * means["in"][1], means
+    assert math.isclose(*means["before"], rel_tol=0.25), means
+    return 0
 
 
 def check_fenicsx(program, folder):

@@ -826,6 +826,8 @@ const std::map<std::string_view, std::string_view>& elsewhere_tested() {
       {"default_height", "sources_test: settings"},
       {"measured_ground", "sources_test: settings"},
       {"surface_layers", "case_test: surfaces"},
+      {"canopies", "case_test: canopies"},
+      {"leaf_area_density", "case_test: canopies"},
       {"out", "every test looks there for results"},
       {"overwrite", "OutputFolder.ReplacesNobodysFiles; of the program: cli_test"},
       {"quiet", "of the program, not of the library: cli_test"},
