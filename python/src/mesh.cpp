@@ -306,7 +306,8 @@ void bind_mesh(nb::module_& module) {
       .def("regions", regions_over, nb::arg("begin"), nb::arg("end"))
       .def("end_of_block", end_of_block, nb::arg("begin"), nb::arg("size"))
       .def_prop_ro(
-          "zone", [](Self self) { return view<std::int32_t>(self.p->mesh().zones.of_cell, self.h); },
+          "zone",
+          [](Self self) { return view<std::int32_t>(self.p->mesh().zones.of_cell, self.h); },
           kArray)
       .def_prop_ro("zones",
                    [](const Mesh& self) {

@@ -130,8 +130,8 @@ std::vector<FoamCanopy> read_canopies(const fs::path& path) {
     if (!(*density > 0) || !std::isfinite(*density) || !(*cells >= 0 && *cells < 1e10))
       fail(path, fmt::format("the zone {} is changed", text.substr(begin, end - begin)));
     if (*cells > 0)
-      canopies.push_back({text.substr(begin, end - begin), *density,
-                          static_cast<std::size_t>(*cells)});
+      canopies.push_back(
+          {text.substr(begin, end - begin), *density, static_cast<std::size_t>(*cells)});
   }
   return canopies;
 }

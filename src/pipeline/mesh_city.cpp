@@ -434,9 +434,8 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
     result.boundary = checked_boundary(result.volume, result);
   });
   if (!options.canopies.empty())
-    clock.run("3.6", "canopies", [&](const Progress&) {
-      result.zones = zone_cells(result.volume, options.canopies);
-    });
+    clock.run("3.6", "canopies",
+              [&](const Progress&) { result.zones = zone_cells(result.volume, options.canopies); });
   warn_of_canopies(result.zones, result.warnings);
   result.placement.origin = {origin.x, origin.y, 0};
   return result;

@@ -126,8 +126,7 @@ void require_text(const ConfigField& field, const std::string& text, const std::
 void set_texts(std::vector<std::string>& target, const ConfigField& field,
                std::span<const std::string> values, const std::string& origin) {
   // Paths may hold commas; names are split.
-  const bool holds_paths =
-      field.value == "PATH" || field.name == "refine" ||
+  const bool holds_paths = field.value == "PATH" || field.name == "refine" ||
                            field.name == "surface_layers" || field.name == "canopies";
   target =
       holds_paths ? std::vector<std::string>(values.begin(), values.end()) : split_lists(values);

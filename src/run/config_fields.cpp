@@ -7,8 +7,8 @@
 #include "tetropolis/run/config.h"
 
 #include "memory_limit.h"
-#include "read_size_regions.h"
 #include "read_canopies.h"
+#include "read_size_regions.h"
 #include "read_surfaces.h"
 
 namespace tetropolis {

@@ -54,8 +54,8 @@ double measured_height(const Raster& measured, const Polygon& area) {
   const Bounds2 box = bounds(area);
   const auto node = [&](double at, double zero, std::int32_t count, bool up) {
     const double i = (at - zero) / measured.step;
-    return static_cast<std::int32_t>(std::clamp(up ? std::ceil(i) : std::floor(i), 0.0,
-                                                static_cast<double>(count)));
+    return static_cast<std::int32_t>(
+        std::clamp(up ? std::ceil(i) : std::floor(i), 0.0, static_cast<double>(count)));
   };
   std::vector<double> heights;
   const std::int32_t end_x = node(box.xmax, measured.x0 - measured.step, measured.nx, false);
@@ -125,8 +125,7 @@ std::vector<Canopy> read_canopies(const Config& config, const CityModel& city,
                               entry.file));
     FootprintsInput input = read_areas(entry.file, city.crs, true, warnings);
     if (input.features.empty())
-      throw Error(ErrorKind::kInput,
-                  entry.file + ": has no polygon; leave it out of canopies");
+      throw Error(ErrorKind::kInput, entry.file + ": has no polygon; leave it out of canopies");
     const AttributeColumn* heights = column_of(input, entry.attribute);
     if (!is_measured && heights == nullptr)
       throw Error(ErrorKind::kInput,
@@ -144,9 +143,9 @@ std::vector<Canopy> read_canopies(const Config& config, const CityModel& city,
       };
       Canopy canopy;
       canopy.height =
-          is_measured ? measured_height(measured, moved(feature.polygon,
-                                                        {-city.origin.x, -city.origin.y}))
-                      : number_of(heights, feature.feature);
+          is_measured
+              ? measured_height(measured, moved(feature.polygon, {-city.origin.x, -city.origin.y}))
+              : number_of(heights, feature.feature);
       canopy.base = or_else(number_of(base, feature.feature), 0);
       canopy.leaf_area_density =
           or_else(number_of(density, feature.feature), config.leaf_area_density);
@@ -158,9 +157,9 @@ std::vector<Canopy> read_canopies(const Config& config, const CityModel& city,
         first = fmt::format("{}: {}", feature.source_id, fault);
     }
     if (left_out > 0)
-      warnings.push_back({"canopy_left_out", left_out,
-                          fmt::format("canopies of {} are left out, the first, {}", entry.file,
-                                      first)});
+      warnings.push_back(
+          {"canopy_left_out", left_out,
+           fmt::format("canopies of {} are left out, the first, {}", entry.file, first)});
     if (!input.dropped.empty())
       warnings.push_back(
           {"canopy_unusable", static_cast<std::int64_t>(input.dropped.size()),

@@ -151,9 +151,9 @@ TEST_P(Canopies, HaveTheCellsWhoseCentroidIsInThem) {
   std::vector<std::int64_t> counts(6, 0);
   std::int64_t of_upper = 0, wrong = 0;
   for (std::size_t c = 0; c < mesh.zones.of_cell.size(); ++c) {
-    const std::int32_t zone =
-        c < tets.size() ? zone_of(mesh, points, tets[c], c >= upper)
-                        : zone_of(mesh, points, wedges[c - tets.size()], false);
+    const std::int32_t zone = c < tets.size()
+                                  ? zone_of(mesh, points, tets[c], c >= upper)
+                                  : zone_of(mesh, points, wedges[c - tets.size()], false);
     wrong += zone == mesh.zones.of_cell[c] ? 0 : 1;
     ++counts[static_cast<std::size_t>(zone)];
     of_upper += zone != 0 && c < tets.size() && c >= upper ? 1 : 0;
@@ -164,13 +164,10 @@ TEST_P(Canopies, HaveTheCellsWhoseCentroidIsInThem) {
     const CellZone& zone = mesh.zones.zones[i];
     EXPECT_EQ(zone.name, "canopy_" + std::to_string(i + 1));
     EXPECT_EQ(zone.cells, counts[i + 1]);
-    if (i < 4)
-      EXPECT_GT(zone.cells, 20) << i;
-    else
-      EXPECT_EQ(zone.cells, 0);
+    EXPECT_EQ(zone.cells > 20, i < 4) << i;
   }
   EXPECT_EQ(mesh.zones.zones[1].leaf_area_density, 1.5);
-  if (cells == Cells::kTets) EXPECT_GT(of_upper, 0);
+  EXPECT_EQ(of_upper > 0, cells == Cells::kTets);
   EXPECT_EQ(std::count_if(mesh.warnings.begin(), mesh.warnings.end(),
                           [](const Warning& w) { return w.code == "canopy_without_cells"; }),
             1);

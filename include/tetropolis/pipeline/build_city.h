@@ -75,7 +75,7 @@ struct BuildCityOptions {
   SimplifyOptions simplify =
       {};               ///< min_distance, min_area and parallel_tolerance hold for 1.4, too.
   Lod lod = Lod::k2_2;  ///< Of roofs; RoofOptions follow from it and the options above.
-  bool canopy_heights = false;  ///< Whether they are measured.
+  bool canopy_heights = false;                                 ///< Whether they are measured.
   double max_bytes = std::numeric_limits<double>::infinity();  ///< Memory of the process.
 };
 

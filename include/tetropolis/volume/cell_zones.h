@@ -13,15 +13,15 @@ namespace tetropolis {
 struct ColumnMesh;
 
 /// One-sided area of leaves per volume [1/m]: a leaf area index of 5.1, the mean of temperate
-/// broadleaf forests, over a height of ten metres. Source: Asner, Scurlock & Hicke, Global synthesis
-/// of leaf area index observations, Global Ecology and Biogeography 12 (2003), table 2.
+/// broadleaf forests, over a height of ten metres. Source: Asner, Scurlock & Hicke, Global
+/// synthesis of leaf area index observations, Global Ecology and Biogeography 12 (2003), table 2.
 inline constexpr double kLeafAreaDensity = 0.5;
 
 /// Trees that stand close, or one.
 struct Canopy {
-  Polygon area;       ///< Any polygon.
-  double height = 0;  ///< Of its top above the ground, metres.
-  double base = 0;    ///< Of the lowest leaves, the same.
+  Polygon area;                                 ///< Any polygon.
+  double height = 0;                            ///< Of its top above the ground, metres.
+  double base = 0;                              ///< Of the lowest leaves, the same.
   double leaf_area_density = kLeafAreaDensity;  ///< [1/m]
 };
 

@@ -135,7 +135,8 @@ void write_faces(AtomicFile& file, const std::vector<PatchFaces>& patches,
     }
 }
 
-/// The cells in no zone, `count` of them, of some rows of cell_rows(), all of one type; elements are numbered after the faces.
+/// The cells in no zone, `count` of them, of some rows of cell_rows(), all of one type; elements
+/// are numbered after the faces.
 void write_cells(AtomicFile& file, const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
                  const CellZones& zones, std::size_t count, std::size_t first_row,
                  std::size_t end_row, std::int32_t type, std::size_t faces,

@@ -179,7 +179,8 @@ void write_zones(AtomicFile& file, const CellZones& zones) {
     const CellZone& zone = zones.zones[i];
     std::string text = fmt::format(
         "{}\n{{\n    type            cellZone;\n    height          {};\n"
-        "    base            {};\n    leafAreaDensity {};\n    cellLabels      List<label>\n{}\n(\n",
+        "    base            {};\n    leafAreaDensity {};\n    cellLabels      "
+        "List<label>\n{}\n(\n",
         zone.name, zone.height, zone.base, zone.leaf_area_density, cells[i].size());
     for (const std::size_t c : cells[i]) text += fmt::format("{}\n", c);
     file.write(text + ")\n;\n}\n");

@@ -29,8 +29,7 @@ inline std::vector<std::int32_t> volumes_of(const CellZones& zones) {
 inline std::string physical_names(const std::vector<PatchFaces>& patches,
                                   const SurfaceMesh& surface, const CellZones& zones) {
   const std::vector<std::int32_t> volumes = volumes_of(zones);
-  std::string text =
-      fmt::format("$PhysicalNames\n{}\n", patches.size() + volumes.size());
+  std::string text = fmt::format("$PhysicalNames\n{}\n", patches.size() + volumes.size());
   for (const PatchFaces& range : patches)
     text += fmt::format("2 {} \"{}\"\n", static_cast<int>(range.patch),
                         surface.patches.of(range.patch).name);

@@ -49,8 +49,7 @@ void make_root(const Hdf5File& file) {
 }  // namespace
 
 void write_vtkhdf(const std::filesystem::path& path, const ColumnMesh& mesh,
-                  const Placement& placement, const Progress& progress,
-                  const CellZones& zones) {
+                  const Placement& placement, const Progress& progress, const CellZones& zones) {
   const std::vector<CellIndex> cells = cell_offsets(mesh);
   const auto nodes = static_cast<std::uint64_t>(mesh.node_count());
   const CellCounts counts = count_cells(mesh, cells);

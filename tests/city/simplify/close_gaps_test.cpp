@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "city/footprint_checks.h"
-#include "city/grid_geometry.h"
 #include "tetropolis/geometry/polygon.h"
 
+#include "city/footprint_checks.h"
+#include "city/grid_geometry.h"
 #include "support/test_data.h"
 
 namespace tetropolis {

@@ -19,9 +19,9 @@ inline constexpr int kAirPhysicalGroup = 9;
 /// with the numbers and names of their patches; patches without faces are left out. Each group is
 /// one discrete entity of the same number. Nodes are numbered from 1 in the order of write_vtu;
 /// elements from 1: first the triangles in the order of `surface` (normals leave the air), then the
-/// tets in the order of write_vtu. Placement::origin is in a $Comments section. `zones` are physical
-/// volumes 10, 11, ... with their names: of them, not of "air", are the cells in them; zones without
-/// cells are left out, and elements come volume by volume.
+/// tets in the order of write_vtu. Placement::origin is in a $Comments section. `zones` are
+/// physical volumes 10, 11, ... with their names: of them, not of "air", are the cells in them;
+/// zones without cells are left out, and elements come volume by volume.
 ///
 /// Precondition: `surface` is extract_boundary of `mesh`, else Error(kGuarantee). Streams as
 /// write_xdmf does. The file appears complete or not at all. Throws Error(kInput) if it cannot be
@@ -31,7 +31,8 @@ void write_msh(const std::filesystem::path& path, const ColumnMesh& mesh,
                const Progress& progress = {}, const CellZones& zones = {});
 
 /// The same as text in MSH 2.2, which gmshToFoam and older programs read: groups and entities,
-/// nodes and elements have the same numbers (elements are in the order of their numbers). Numbers are written so that they read back exactly.
+/// nodes and elements have the same numbers (elements are in the order of their numbers). Numbers
+/// are written so that they read back exactly.
 void write_msh2(const std::filesystem::path& path, const ColumnMesh& mesh,
                 const SurfaceMesh& surface, const Placement& placement,
                 const Progress& progress = {}, const CellZones& zones = {});

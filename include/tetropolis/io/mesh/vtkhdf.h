@@ -12,8 +12,8 @@
 namespace tetropolis {
 
 /// Writes what write_vtu does: points and cells in the same order, the cell data `region` and, with
-/// zones, `zone`, and the field data `origin` (three numbers). Streams as write_xdmf does. The file appears complete or
-/// not at all. Throws Error(kInput) if it cannot be written, Cancelled.
+/// zones, `zone`, and the field data `origin` (three numbers). Streams as write_xdmf does. The file
+/// appears complete or not at all. Throws Error(kInput) if it cannot be written, Cancelled.
 void write_vtkhdf(const std::filesystem::path& path, const ColumnMesh& mesh,
                   const Placement& placement, const Progress& progress = {},
                   const CellZones& zones = {});
