@@ -105,9 +105,8 @@ void bind_case(nb::module_& module) {
              nb::arg("wind_from"), nb::arg("several"), nb::arg("wind_profile"),
              nb::arg("wind_height"), nb::arg("roughness"), nb::arg("ground_roughness"),
              nb::arg("patch_roughness"), nb::arg("building_roughness"), nb::arg("leaf_drag"),
-             nb::arg("sample_height"),
-             nb::arg("sample_spacing"), nb::arg("iterations"), nb::arg("dialect"),
-             nb::arg("overwrite"));
+             nb::arg("sample_height"), nb::arg("sample_spacing"), nb::arg("iterations"),
+             nb::arg("dialect"), nb::arg("overwrite"));
   module.def("case_fenicsx", case_fenicsx, nb::arg("folder"), nb::arg("wind_speed"),
              nb::arg("wind_from"), nb::arg("overwrite"));
 }
