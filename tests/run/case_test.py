@@ -382,6 +382,7 @@ def check_canopies(program, folder):
                 ((x0, x1), (y0, y1), (low, high))))}
         assert inside == set(zones[name]), (name, len(inside), len(zones[name]))
         whole = (x1 - x0) * (y1 - y0) * (high - low)
+        print(f"{name}: {len(inside)} cells, {sum(volume[c] for c in inside):.0f} m3 of {whole}")
         assert math.isclose(sum(volume[c] for c in inside), whole, rel_tol=0.15), (name, sum(volume[c] for c in inside))
     # The same cells in the other formats.
     text = (case / "volume_msh2.msh").read_text()
