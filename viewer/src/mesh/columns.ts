@@ -169,7 +169,7 @@ export function upperCorners(mesh: ColumnMesh, c: number, p: Float64Array): void
 export const upperCount = (mesh: ColumnMesh): number => mesh.upper.cells.length / 4;
 
 /** `volume`: whether the page has whole columns, or their floors alone. */
-export async function readColumns(blocks: Blocks, {volume, layers, whole}: Pick<Facts, 'volume' | 'layers' | 'whole'>): Promise<ColumnMesh> {
+export async function readColumns(blocks: Blocks, {volume, layers, whole, cells}: Pick<Facts, 'volume' | 'layers' | 'whole' | 'cells'>): Promise<ColumnMesh> {
   const [a, steps, splits] =
       await Promise.all([readIntegers(blocks, kArrays), inflate(blocks['steps']), inflate(blocks['upperSplits'])]);
   const {corners} = a;
@@ -192,7 +192,7 @@ export async function readColumns(blocks: Blocks, {volume, layers, whole}: Pick<
   addElevations(mesh, around, floors, addRoofs(a.roof, mesh.regionBuilding), volume);
   mesh.floor = floorNodes(mesh, around, floors);
   if (a.upperCount.length > 0)
-    mesh.upper = climbUpper(mesh, {count: addUp(a.upperCount), rise: a.upperRise, wait: a.upperWait, splits});
+    mesh.upper = climbUpper(mesh, {count: addUp(a.upperCount), rise: a.upperRise, wait: a.upperWait, splits}, cells - cellCount(mesh));
   if (a.odd.length > 0) {
     mesh.oddStart = new Int32Array(triangleCount(mesh)).fill(-1);
     let start = 0;

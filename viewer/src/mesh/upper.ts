@@ -46,13 +46,17 @@ function twinsOf(corners: Int32Array, vertices: number): Int32Array {
 
 /** Numbers of the values, which are whole and less than 2^32 above the lowest, in their order. */
 function ascending(values: Float64Array, lowest: number): Uint32Array {
-  let order = Uint32Array.from(values, (_, i) => i), other = new Uint32Array(order.length);
+  const n = values.length, keys = new Uint32Array(n);
+  let order = new Uint32Array(n), other = new Uint32Array(n);
+  for (let i = 0; i < n; ++i) {
+    keys[i] = values[i] - lowest;
+    order[i] = i;
+  }
   for (const shift of [0, 16]) {
     const place = new Uint32Array(65537);
-    const digit = (i: number): number => ((values[i] - lowest) >>> shift) & 65535;
-    for (const i of order) ++place[digit(i) + 1];
+    for (let i = 0; i < n; ++i) ++place[((keys[i] >>> shift) & 65535) + 1];
     for (let d = 0; d < 65536; ++d) place[d + 1] += place[d];
-    for (const i of order) other[place[digit(i)]++] = i;
+    for (let k = 0; k < n; ++k) other[place[(keys[order[k]] >>> shift) & 65535]++] = order[k];
     [order, other] = [other, order];
   }
   return order;
@@ -66,7 +70,7 @@ class Front {
   private readonly leaving: Int32Array;
   private readonly isRim: Uint8Array;
   private readonly at: Int32Array;
-  private cells = new Int32Array(1 << 16);
+  readonly cells: Int32Array;
   private length = 0;
   private nextSplit = 0;
   // Of a hole: the vertices around it, the half-edges beyond, and triangles that are free.
@@ -74,7 +78,8 @@ class Front {
   private beyond: number[] = [];
   private free: number[] = [];
 
-  constructor(mesh: ColumnMesh, private readonly splits: Uint8Array) {
+  constructor(mesh: ColumnMesh, private readonly splits: Uint8Array, cells: number) {
+    this.cells = new Int32Array(4 * cells);
     const vertices = mesh.x.length;
     this.corners = mesh.corners.slice();
     this.twin = twinsOf(this.corners, vertices);
@@ -86,7 +91,8 @@ class Front {
       this.leaving[this.corners[c]] = c;
       this.isRim[this.corners[c]] = 1;
     }
-    this.at = mesh.first.subarray(1).map((end) => end - 1);
+    this.at = new Int32Array(vertices);
+    for (let v = 0; v < vertices; ++v) this.at[v] = mesh.first[v + 1] - 1;
   }
 
   rise(v: number, to: number): void {
@@ -119,26 +125,27 @@ class Front {
 
   /** Covers what is left of the hole beside the chord from corner j to corner i of the ring; returns the chord. */
   private cover(below: number, i: number, j: number): number {
-    const {corners, twin, ring, at} = this;
+    const {corners, ring, at} = this;
     const k = i + 1 + (j - i > 2 ? this.splits[this.nextSplit++] : 0);
     const t = this.free.pop()!;
     corners[t] = ring[i];
     corners[t + 1] = ring[k];
     corners[t + 2] = ring[j];
     this.add(below, at[ring[i]], at[ring[k]], at[ring[j]]);
-    for (const [side, from, to] of [[t, i, k], [t + 1, k, j]] as const) {
-      if (to === from + 1) {
-        this.link(side, from);
-      } else {
-        const chord = this.cover(below, from, to);
-        twin[side] = chord;
-        twin[chord] = side;
-      }
-    }
+    this.join(t, below, i, k);
+    this.join(t + 1, below, k, j);
     return t + 2;
   }
 
-  /** Half-edge c goes from corner i of the ring to the next one. */
+  /** Half-edge c goes from corner i of the ring to corner j. */
+  private join(c: number, below: number, i: number, j: number): void {
+    if (j === i + 1) return this.link(c, i);
+    const chord = this.cover(below, i, j);
+    this.twin[c] = chord;
+    this.twin[chord] = c;
+  }
+
+  /** The same where j is the next one. */
   private link(c: number, i: number): void {
     const {twin, ring, beyond} = this;
     const v = ring[i], other = beyond[i];
@@ -148,22 +155,15 @@ class Front {
   }
 
   private add(a: number, b: number, c: number, d: number): void {
-    if (this.length === this.cells.length) {
-      const larger = new Int32Array(2 * this.length);
-      larger.set(this.cells);
-      this.cells = larger;
-    }
     this.cells[this.length++] = a;
     this.cells[this.length++] = b;
     this.cells[this.length++] = c;
     this.cells[this.length++] = d;
   }
-
-  get(): Int32Array { return this.cells.slice(0, this.length); }
 }
 
-/** `told.rise` becomes elevations. `mesh` has its columns. */
-export function climbUpper(mesh: ColumnMesh, {count, rise: z, wait, splits}: UpperSteps): UpperMesh {
+/** `told.rise` becomes elevations. `mesh` has its columns, `cells` are to be made. */
+export function climbUpper(mesh: ColumnMesh, {count, rise: z, wait, splits}: UpperSteps, cells: number): UpperMesh {
   const {first} = mesh, nodes = first[first.length - 1];
   const vertex = new Int32Array(z.length);
   // Per step.
@@ -191,14 +191,15 @@ export function climbUpper(mesh: ColumnMesh, {count, rise: z, wait, splits}: Upp
     }
     n = end;
   }
-  return {vertex, z, cells: replay(new Front(mesh, splits), ascending(due, lowest), stepVertex, stepNode)};
+  return {vertex, z, cells: replay(new Front(mesh, splits, cells), ascending(due, lowest), stepVertex, stepNode)};
 }
 
 /** Takes the steps in this order; returns their cells. */
 function replay(front: Front, order: Uint32Array, vertex: Int32Array, node: Int32Array): Int32Array {
-  for (const s of order) {
+  for (let k = 0; k < order.length; ++k) {
+    const s = order[k];
     if (node[s] < 0) front.end(vertex[s]);
     else front.rise(vertex[s], node[s]);
   }
-  return front.get();
+  return front.cells;
 }
