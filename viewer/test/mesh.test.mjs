@@ -46,7 +46,7 @@ for (const [name, options] of Object.entries(cities)) {
     for (let v = 0; v < mesh.x.length; ++v)
       for (let n = mesh.first[v]; n < mesh.first[v + 1]; ++n) compare(n, mesh.x[v], mesh.y[v], mesh.z[n]);
     mesh.upper.z.forEach((z, i) => {
-      const v = mesh.upper.vertex[i];
+      const v = mesh.upper.vertex[mesh.z.length + i];
       compare(mesh.z.length + i, mesh.x[v], mesh.y[v], z);
     });
     assert.ok(worst <= 0.002, `${worst} m off`);

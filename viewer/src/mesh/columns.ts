@@ -144,26 +144,24 @@ const kArrays = ['x', 'y', 'corners', 'region', 'regionBuilding', 'roof', 'count
                  'odd', 'upperCount', 'upperRise', 'upperWait'] as const;
 
 /** Corners of cell number c above columns: positions in steps. */
-export function upperCorners(mesh: ColumnMesh, c: number, p: Float64Array): void {
-  const {first, upper} = mesh;
+export function upperCorners({x, y, z, upper}: ColumnMesh, c: number, p: Float64Array): void {
   for (let k = 0; k < 4; ++k) {
-    const n = upper.cells[4 * c + k] - mesh.z.length;
-    let v = 0;
-    if (n >= 0) {
-      v = upper.vertex[n];
-      p[3 * k + 2] = upper.z[n];
-    } else {
-      const node = n + mesh.z.length;
-      for (let high = first.length - 1; high - v > 1;) {
-        const middle = (v + high) >> 1;
-        if (first[middle] <= node) v = middle;
-        else high = middle;
-      }
-      p[3 * k + 2] = mesh.z[node];
-    }
-    p[3 * k] = mesh.x[v];
-    p[3 * k + 1] = mesh.y[v];
+    const n = upper.cells[4 * c + k], v = upper.vertex[n];
+    p[3 * k] = x[v];
+    p[3 * k + 1] = y[v];
+    p[3 * k + 2] = n < z.length ? z[n] : upper.z[n - z.length];
   }
+}
+
+/** Whether corners of that cell lie on both sides of a plane across axis 0, 1 or 2. */
+export function isUpperCrossed({x, y, z, upper}: ColumnMesh, c: number, axis: number, place: number): boolean {
+  const along = axis === 0 ? x : y;
+  let below = 0;
+  for (let k = 4 * c; k < 4 * c + 4; ++k) {
+    const n = upper.cells[k];
+    if ((axis < 2 ? along[upper.vertex[n]] : n < z.length ? z[n] : upper.z[n - z.length]) < place) ++below;
+  }
+  return below !== 0 && below !== 4;
 }
 
 export const upperCount = (mesh: ColumnMesh): number => mesh.upper.cells.length / 4;

@@ -1,7 +1,7 @@
 // What a plane cuts: the cells of the air, and the soil and the buildings below it.
 
 import {Climb} from './climb.js';
-import {type ColumnMesh, prismCount, triangleCount, upperCorners, upperCount} from './columns.js';
+import {type ColumnMesh, isUpperCrossed, prismCount, triangleCount, upperCorners, upperCount} from './columns.js';
 import {leastDihedral, tetCorners} from './quality.js';
 import type {Frame} from './surface.js';
 
@@ -210,6 +210,7 @@ export function cutCells(mesh: ColumnMesh, frame: Frame, plane: Plane, whole: bo
     }
   }
   for (let c = 0; c < upperCount(mesh); ++c) {
+    if (!isUpperCrossed(mesh, c, axis, place)) continue;
     upperCorners(mesh, c, cutter.p);
     cutter.add();
   }

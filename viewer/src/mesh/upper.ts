@@ -5,7 +5,7 @@ import {nextCorner} from './edges.js';
 
 /** Explicit cells. Their nodes are numbered after those of the columns. */
 export interface UpperMesh {
-  /** Per node above: the vertex below it. */
+  /** Per node, of columns, too: the vertex below it. */
   vertex: Int32Array;
   /** Per node above: its elevation. */
   z: Int32Array;
@@ -165,12 +165,13 @@ class Front {
 /** `told.rise` becomes elevations. `mesh` has its columns, `cells` are to be made. */
 export function climbUpper(mesh: ColumnMesh, {count, rise: z, wait, splits}: UpperSteps, cells: number): UpperMesh {
   const {first} = mesh, nodes = first[first.length - 1];
-  const vertex = new Int32Array(z.length);
+  const vertex = new Int32Array(nodes + z.length);
   // Per step.
   const due = new Float64Array(wait.length), stepVertex = new Int32Array(wait.length), stepNode = new Int32Array(wait.length);
   let s = 0, n = 0, top = 0, lowest = Infinity;
   for (let v = 0; v < count.length; ++v) {
     const end = n + (count[v] >> 1), ends = count[v] & 1;
+    vertex.fill(v, first[v], first[v + 1]);
     let below = mesh.z[first[v + 1] - 2], at = mesh.z[first[v + 1] - 1];
     for (let k = n; k < end + ends; ++k, ++s) {
       let up = at, ahead = Math.floor((at - below) * 9 / 5), node = -1;
@@ -180,7 +181,7 @@ export function climbUpper(mesh: ColumnMesh, {count, rise: z, wait, splits}: Upp
         if (isLast) top = up;
         ahead = up - at;
         node = nodes + k;
-        vertex[k] = v;
+        vertex[node] = v;
       }
       due[s] = 2 * at + ahead + wait[s] * Math.max(1, Math.floor(ahead / 8));
       lowest = Math.min(lowest, due[s]);
