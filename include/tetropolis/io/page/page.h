@@ -30,8 +30,8 @@ struct PageContents {
   std::string repeat = {};  ///< The command line that makes the same again.
 };
 
-/// Cells up to which a page has the volume mesh, unless told otherwise: some 12 MB and three seconds
-/// in the browser. Beyond, it shows the surface (ground, roofs and walls), and says so.
+/// Cells up to which a page has the volume mesh, unless told otherwise: some 12 MB and three
+/// seconds in the browser. Beyond, it shows the surface (ground, roofs and walls), and says so.
 inline constexpr std::int64_t kMostPageCells = 20'000'000;
 
 /// Triangles of the ground mesh up to which a page has it, some 20 MB. Beyond, it shows the
@@ -42,9 +42,9 @@ inline constexpr std::int64_t kMostPageTriangles = 3'000'000;
 inline constexpr double kPageTolerance = 0.002;
 
 /// The page as HTML, UTF-8. The volume mesh is stored as its columns, from which the page climbs
-/// (column_mesh.h) to the same cells, and the steps of the front above them. Works from file:// and as an iframe's
-/// srcdoc, in browsers with WebGL 2 and DecompressionStream (Chrome 80, Firefox 113, Safari 16.4).
-/// The numbers that the page tells are those of `report`: without it there are none.
+/// (column_mesh.h) to the same cells, and the steps of the front above them. Works from file:// and
+/// as an iframe's srcdoc, in browsers with WebGL 2 and DecompressionStream (Chrome 80, Firefox 113,
+/// Safari 16.4). The numbers that the page tells are those of `report`: without it there are none.
 std::string page_html(const PageContents& contents, std::int64_t most_cells = kMostPageCells);
 
 }  // namespace tetropolis
