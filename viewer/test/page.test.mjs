@@ -76,6 +76,7 @@ test('has the mesh of the report', async () => {
   assert.equal(await page.evaluate(() => tetropolis.cells), report.volume_mesh.cells);
   const shown = await text('#panel');
   assert.ok(shown.includes(report.volume_mesh.cells.toLocaleString('en')));
+  assert.doesNotMatch(shown, /prism/);
   assert.ok(shown.includes(`${report.volume_mesh.dihedral_deg.min.toFixed(1)}°`));
 });
 

@@ -41,7 +41,7 @@ function overview(facts: Facts): HTMLElement[] {
   const list = el('dl', {class: 'facts'},
       ...fact('Buildings', whole(facts.buildings.length),
               facts.footprints.length > 0 ? `of ${plural(facts.footprints.length, 'footprint')}` : ''),
-      ...(facts.cells > 0 ? fact('Cells', whole(facts.cells), mesh ? plural(mesh.vertices, 'node') + (mesh.prisms && !facts.whole ? `, ${plural(mesh.prisms.cells, 'prism')}` : '') : '') : []),
+      ...(facts.cells > 0 ? fact('Cells', whole(facts.cells), mesh ? plural(mesh.vertices, 'node') + ((mesh.prisms?.cells ?? 0) > 0 && !facts.whole ? `, ${plural(mesh.prisms!.cells, 'prism')}` : '') : '') : []),
       ...(mesh?.prisms && facts.whole ? fact('Non-orthogonality', `${fixed(mesh.prisms.non_orthogonality_deg.max, 1)}°`, `at most; mean ${fixed(mesh.prisms.non_orthogonality_deg.mean, 1)}°`) :
           mesh ? fact('Least dihedral angle', `${fixed(mesh.dihedral_deg.min, 1)}°`, `median ${fixed(mesh.dihedral_deg.median, 1)}°`) : []),
       ...resolution('Cells per building', report?.ground_mesh?.cells_per_building),
