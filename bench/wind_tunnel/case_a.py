@@ -56,6 +56,7 @@ def main():
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--cells", default="tets")
     parser.add_argument("--size", type=float, default=2, help="of cells at the block [m]")
+    parser.add_argument("--wake", type=float, default=4, help="of cells around it and 4 b behind it [m]")
     parser.add_argument("--processes", type=int, default=1)
     parser.add_argument("--law", action="store_true", help="the logarithmic law instead of the measured inflow")
     arguments = parser.parse_args()
@@ -63,8 +64,11 @@ def main():
     folder.mkdir(parents=True, exist_ok=True)
     block(folder / "block.geojson")
     case = folder / "case"
+    x, y = PLACE
+    wake = f"{x - 1.5 * WIDTH},{y - 2 * WIDTH},{x + 4.5 * WIDTH},{y + 2 * WIDTH}:{arguments.wake}"
     run(program, "build", "--footprints", folder / "block.geojson", "--height-attribute", "height", "--ground-level", 0,
         "--lod", "block", "--domain", "auto", "--wind-from", 270, "--mesh-size", arguments.size, "--far-size", 40,
+        "--refine", wake,
         "--boundary-layers", 5, "--first-layer", 0.5, "--cells", arguments.cells, "--formats", "openfoam", "--no-html",
         "--quiet", "--out", case)
     inflow = table("inflow.csv")

@@ -29,7 +29,7 @@ Without FILE also their mean, and the highest and where it comes from.
 FILE (frequencies.csv beside this program, if it is there) is a table with a heading:
     direction,frequency,speed[,shape]
 with how often the wind comes from there (any unit), its mean speed at the height of the cases' wind [m/s], and the
-shape of its Weibull distribution (2 if it is not given, Rayleigh's). A row belongs to the nearest direction solved.
+shape of its Weibull distribution (2 if it is not given, Rayleigh's). A row belongs to the nearest of the directions.
 With it: the mean speed, and the share of time above the threshold (5 m/s: NEN 8100).
 """
 import argparse
@@ -43,8 +43,8 @@ WINDS = "@WINDS@".split()
 CLASSES = [("A", 0.025), ("B", 0.05), ("C", 0.1), ("D", 0.2), ("E", math.inf)]  # NEN 8100: share of time above 5 m/s
 
 
-def read_frequencies(path, solved):
-    """[(solved direction, share of time, mean speed, shape)]"""
+def read_frequencies(path):
+    """[(direction of a case, share of time, mean speed, shape)]"""
     rows = []
     with open(path, newline="") as file:
         for number, row in enumerate(csv.DictReader(file), 2):
@@ -61,11 +61,11 @@ def read_frequencies(path, solved):
         raise SystemExit(f"{path}: its frequencies sum to 0")
     matched, farthest = [], 0
     for direction, frequency, speed, shape in rows:
-        off, nearest = min((abs((float(wind[1:]) - direction + 180) % 360 - 180), wind) for wind in solved)
+        off, nearest = min((abs((float(wind[1:]) - direction + 180) % 360 - 180), wind) for wind in WINDS)
         farthest = max(farthest, off)
         matched.append((nearest, frequency / total, speed, shape))
     if farthest > 0:
-        print(f"note          directions of {path.name} are up to {farthest:g} degrees from those solved")
+        print(f"note          directions of {path.name} are up to {farthest:g} degrees from those of the cases")
     return matched
 
 
@@ -97,9 +97,13 @@ def main():
     ratios = {p: [found[wind][p][1] / REFERENCE for wind in solved] for p in places}
 
     columns = {}
-    if frequencies:
-        rows = [(solved.index(wind), share, speed, shape)
-                for wind, share, speed, shape in read_frequencies(frequencies, solved)]
+    rows = read_frequencies(frequencies) if frequencies else []
+    lacking = sorted({wind for wind, *_ in rows} - set(solved))
+    if lacking:
+        print(f"note          {frequencies.name} is not applied: {' '.join(lacking)} not solved")
+        rows = []
+    if rows:
+        rows = [(solved.index(wind), *more) for wind, *more in rows]
         columns["mean_speed"] = {p: math.fsum(share * r[i] * speed for i, share, speed, _ in rows)
                                  for p, r in ratios.items()}
         columns[f"above_{arguments.threshold:g}"] = {
@@ -123,7 +127,7 @@ def main():
         draw(path, values, SPACING, most)
         print(f"picture       {path}: {what}, north up, buildings grey")
 
-    if frequencies:
+    if rows:
         speed, windy = columns.values()
         show("rose", speed, 5, "mean speed, 0 to 5 m/s")
         show("above", windy, 0.2, f"share of time above {arguments.threshold:g} m/s, 0 to 20 %")

@@ -206,6 +206,9 @@ def check_rose(program, folder):
     (moved / "w337.5/postProcessing/pedestrian/2/grid_U.xy").unlink()
     said = run(sys.executable, moved / "rose.py")
     assert "left out: w337.5" in said and "2 points" in said, said
+    (moved / "frequencies.csv").write_text("direction,frequency,speed\n350,1,4\n")
+    said = run(sys.executable, moved / "rose.py")
+    assert "not applied: w337.5" in said and "mean,highest" in (moved / "rose.csv").read_text(), said
     (moved / "frequencies.csv").write_text("direction,frequency,speed,shape\n40,30,4,\n230,60,8,2.5\n240,10,5,2\n")
     said = run(sys.executable, moved / "rose.py")
     assert "10 degrees" in said and "NEN 8100" in said, said
