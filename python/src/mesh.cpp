@@ -186,7 +186,7 @@ bool save_volume(const Mesh& mesh, const std::filesystem::path& path, const Savi
               mesh.made.city.buildings, mesh.mesh().zones);
   else if (format == "xdmf")
     write_xdmf(path, boundary_beside(path), mesh.volume(), boundary, saving.placement, progress,
-               saving.compression);
+               saving.compression, mesh.mesh().zones);
   else if (format == "msh")
     write_msh(path, mesh.volume(), patches, saving.placement, progress, mesh.mesh().zones);
   else if (format == "msh2")

@@ -1,5 +1,6 @@
 """Arrays: what is shared, what is owned, and that they say the same as the library's report."""
 import gc
+import json
 import weakref
 
 import numpy as np
@@ -121,3 +122,25 @@ def test_geopandas(city):
     assert len(city.raw) >= len(city)
     merged = sum(len(ids) for ids in city.source_ids) + len(city.dropped)
     assert merged == city.report["input"]["footprint_parts"]
+
+
+def test_canopies(shared_city, tmp_path):
+    """Trees of the whole domain, by the vegetation that the points measure, and of a stated height."""
+    x, y, _ = shared_city.origin
+    polygon = [[[x - 1e3, y - 1e3], [x + 2e3, y - 1e3], [x + 2e3, y + 2e3], [x - 1e3, y + 2e3], [x - 1e3, y - 1e3]]]
+    trees = tmp_path / "trees.geojson"
+    trees.write_text(json.dumps({
+        "type": "FeatureCollection", "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::3006"}},
+        "features": [{"type": "Feature", "properties": {"h": 6}, "geometry": {"type": "Polygon", "coordinates": polygon}}]}))
+    for canopies in (f"{trees}:h", str(trees)):
+        mesh = tp.build_mesh(shared_city, canopies=[canopies], boundary_layers=2)
+        zones = mesh.report["canopies"]
+        assert mesh.zones == ["canopy_1"] == [zone["name"] for zone in zones]
+        height = zones[0]["height"]
+        assert height == 6 if canopies.endswith(":h") else 2 < height < 30
+        assert mesh.zone.shape == (mesh.n_cells,) and (mesh.zone == 1).sum() == zones[0]["cells"] > 0
+        # Over open ground all cells are in it that are below its top.
+        middles = mesh.points[mesh.wedges].mean(axis=1)
+        assert (mesh.zone[len(mesh.cells):] == 1).all() and len(middles) > 0
+        assert not mesh.zone[:len(mesh.cells)][mesh.region >= 0].any()
+    assert not tp.build_mesh(shared_city).zone.any()

@@ -55,7 +55,7 @@ void write_volume(const Config& config, const CityMesh& city_mesh,
        [&](const Progress& p) {
          write_xdmf(out.result("volume.xdmf", {"volume.h5"}),
                     out.result("boundary.xdmf", {"boundary.h5"}), mesh, boundary, placement, p,
-                    config.compression);
+                    config.compression, zones);
        }},
       {"msh",
        [&](const Progress& p) {

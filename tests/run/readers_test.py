@@ -5,6 +5,7 @@
     readers_test.py PROGRAM cgns       cgnscheck of the CGNS library, and HDF5
     readers_test.py PROGRAM foam       OpenFOAM's fluent3DMeshToFoam, gmshToFoam and checkMesh on Fluent's format and MSH 2.2
     readers_test.py PROGRAM prisms     meshes with layers of prisms: VTK HDF, MSH, SU2, CGNS, Fluent by the same programs
+    readers_test.py PROGRAM canopies   cells of trees, in VTU, VTK HDF, XDMF, MSH of both versions and polyMesh
     readers_test.py PROGRAM trimesh    STL, OBJ, PLY, GLB
     readers_test.py PROGRAM gltf       the glTF validator of Khronos, and three.js, on GLB
 
@@ -30,7 +31,7 @@ class Run:
     """A small city on hills, by its report and city model."""
 
     def __init__(self, program, folder, *options, formats=FORMATS):
-        self.out = folder / "out"
+        self.program, self.out = program, folder / "out"
         if not (folder / "in").exists():
             subprocess.run([program, "synth", "--kind", "blocks", "--size", "300", "--seed", "7", "--point-density",
                             "1", "--out", folder / "in", "--quiet"], check=True)
@@ -314,6 +315,61 @@ def check_gltf(run):
             assert name == "wall" or abs(row["low"] - building["h_roof"]) < 1e-3
 
 
+def plant_trees(folder):
+    """Two overlapping woods, one of stated height and density, and a tree that no cell is in."""
+    def square(x, y, size, **values):
+        ring = [[319000 + x + i * size, 6396000 + y + j * size] for i, j in ((0, 0), (1, 0), (1, 1), (0, 1), (0, 0))]
+        return {"type": "Feature", "properties": values, "geometry": {"type": "Polygon", "coordinates": [ring]}}
+
+    (folder / "trees.geojson").write_text(json.dumps({
+        "type": "FeatureCollection", "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::3006"}},
+        "features": [square(20, 20, 180, h=12, leaf_area_density=0.8), square(120, 120, 170, h=20.5),
+                     square(5, 5, 0.01, h=3)]}))
+    return f"{folder / 'trees.geojson'}:h"
+
+
+def check_canopies(run):
+    import meshio
+    import numpy as np
+    import pyvista as pv
+    from vtkmodules.vtkIOHDF import vtkHDFReader
+
+    zones = run.report["canopies"]
+    assert [zone["name"] for zone in zones] == ["canopy_1", "canopy_2", "canopy_3"]
+    volume = pv.read(run.out / "volume.vtu")
+    zone = np.asarray(volume["zone"])
+    counts = [zone_of["cells"] for zone_of in zones]
+    assert np.bincount(zone, minlength=4)[1:].tolist() == counts and counts[0] > 100 < counts[1] and counts[2] == 0
+    assert bytes(volume.field_data["zone_name"]).decode().split("\0")[:-1] == ["canopy_1", "canopy_2", "canopy_3"]
+    assert volume.field_data["zone_leaf_area_density"].tolist() == [0.8, 0.5, 0.5]
+    assert not zone[volume["region"] >= 0].any()
+    reader = vtkHDFReader()
+    reader.SetFileName(str(run.out / "volume.vtkhdf"))
+    reader.Update()
+    assert np.array_equal(pv.wrap(reader.GetOutputDataObject(0))["zone"], zone)
+    assert np.array_equal(np.concatenate(meshio.read(run.out / "volume.vtu").cell_data["zone"]), zone)
+    if (run.out / "volume.xdmf").exists():
+        assert np.array_equal(np.concatenate(meshio.read(run.out / "volume.xdmf").cell_data["zone"]), zone)
+    # A cell of MSH is the one with the same nodes; air is 9, canopies from 10 on.
+    mesh = meshio.read(run.out / "volume.vtu")
+    nodes = {tuple(corners): number for block, numbers in zip(mesh.cells, mesh.cell_data["zone"])
+             for corners, number in zip(block.data.tolist(), numbers)}
+    for name in ("volume.msh", "volume_msh2.msh"):
+        mesh = meshio.read(run.out / name)
+        assert {n: v for n, (v, d) in mesh.field_data.items() if d == 3} == {"air": 9, "canopy_1": 10, "canopy_2": 11}
+        found = 0
+        for block, tags in zip(mesh.cells, mesh.cell_data["gmsh:physical"]):
+            if block.type in ("tetra", "wedge"):
+                assert all(nodes[tuple(row)] == tag - 9 for row, tag in zip(block.data.tolist(), tags)), name
+                found += len(tags)
+        assert found == run.cells, name
+    if shutil.which("checkMesh"):
+        said, _ = foam_mesh(run, "gmshToFoam", "volume_msh2.msh")
+        for i in (1, 2):
+            assert re.search(rf"canopy_{i}\s+{counts[i - 1]}\s", said), said
+    subprocess.run([run.program, "check", run.out], check=True, stdout=subprocess.DEVNULL)
+
+
 def main():
     if VENV.exists() and pathlib.Path(sys.prefix) != VENV.parents[1]:
         return subprocess.run([VENV, *sys.argv], check=False).returncode
@@ -322,11 +378,16 @@ def main():
         print("node or the glTF validator is missing; npm ci --prefix viewer")
         return 77
     check = {"pyvista": check_pyvista, "meshio": check_meshio, "cgns": check_cgns, "foam": check_foam,
-             "prisms": check_prisms, "trimesh": check_trimesh, "gltf": check_gltf}[what]
+             "prisms": check_prisms, "canopies": check_canopies, "trimesh": check_trimesh, "gltf": check_gltf}[what]
     with tempfile.TemporaryDirectory() as scratch:
         variants = [((), FORMATS), (("--compression", "zlib"), FORMATS), (("--building-patches",), FORMATS)]
         if what == "prisms":
             variants = [(("--boundary-layers", "4"), FORMATS.replace("xdmf,", ""))]
+        if what == "canopies":
+            trees = plant_trees(pathlib.Path(scratch))
+            formats = "vtu,msh,msh2,vtkhdf,openfoam"
+            variants = [(("--canopies", trees), "xdmf," + formats),
+                        (("--canopies", trees, "--boundary-layers", "4"), formats)]
         for options, formats in variants:
             try:
                 check(Run(program, pathlib.Path(scratch), *options, formats=formats))

@@ -55,11 +55,12 @@ std::string with_grid(std::string_view name, const Point3& origin, const std::st
 
 // DOLFINx finds grids by name and takes a grid's first attribute unless told its name.
 
-std::string volume_description(std::int64_t nodes, std::int64_t cells, const Point3& origin,
-                               const std::string& file) {
+std::string volume_description(std::int64_t nodes, std::int64_t cells, bool zones,
+                               const Point3& origin, const std::string& file) {
   return with_grid("mesh", origin,
                    topology("Tetrahedron", cells, 4, file, kTopology) + geometry(nodes, file) +
-                       attribute("region", cells, file, kRegion));
+                       attribute("region", cells, file, kRegion) +
+                       (zones ? attribute("zone", cells, file, kZone) : ""));
 }
 
 /// The names are where meshio puts its own `field_data`: numbers and dimensions by name.

@@ -11,9 +11,9 @@
 namespace tetropolis::xdmf {
 
 /// What refers other programs to the volume's datasets (xdmf_layout.h) in the HDF5 file `file`
-/// beside it.
-std::string volume_description(std::int64_t nodes, std::int64_t cells, const Point3& origin,
-                               const std::string& file);
+/// beside it, among them the zones if there are any.
+std::string volume_description(std::int64_t nodes, std::int64_t cells, bool zones,
+                               const Point3& origin, const std::string& file);
 
 /// The same of the boundary, whose points are those of `volume_file`.
 std::string boundary_description(std::int64_t nodes, std::int64_t faces, const PatchNames& patches,

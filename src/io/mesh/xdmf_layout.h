@@ -7,6 +7,7 @@ namespace tetropolis::xdmf {
 inline constexpr const char* kGeometry = "/Mesh/mesh/geometry";
 inline constexpr const char* kTopology = "/Mesh/mesh/topology";
 inline constexpr const char* kRegion = "/Mesh/mesh/region";
+inline constexpr const char* kZone = "/Mesh/mesh/zone";  ///< With zones.
 
 // Of the boundary.
 inline constexpr const char* kFaces = "/MeshTags/boundary/topology";

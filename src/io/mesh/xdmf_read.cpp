@@ -34,6 +34,7 @@ class Description {
     is_boundary_ = text_.find(fmt::format(":{}</DataItem>", kFaces)) != std::string::npos;
     data_ = name_before(is_boundary_ ? kFaces : kTopology);
     volume_data_ = name_before(kGeometry);
+    has_zones_ = text_.find(fmt::format(":{}</DataItem>", kZone)) != std::string::npos;
   }
 
   bool is_boundary() const { return is_boundary_; }
@@ -49,7 +50,7 @@ class Description {
                points = static_cast<std::int64_t>(nodes);
     const std::string expected =
         is_boundary_ ? boundary_description(points, rows, patches(), origin, volume_data_, data_)
-                     : volume_description(points, rows, origin, data_);
+                     : volume_description(points, rows, has_zones_, origin, data_);
     if (text_ == expected) return;
     const auto [is, should_be] =
         std::mismatch(text_.begin(), text_.end(), expected.begin(), expected.end());
@@ -78,7 +79,7 @@ class Description {
 
   fs::path path_;
   std::string text_;
-  bool is_boundary_ = false;
+  bool is_boundary_ = false, has_zones_ = false;
   std::string data_, volume_data_;
 };
 

@@ -28,13 +28,16 @@ static_assert(std::endian::native == std::endian::little, "XDMF output writes na
 
 constexpr std::size_t kPointNumbers = std::tuple_size_v<Point3>;
 
-std::array<Hdf5Dataset, 4> datasets_of(const ColumnMesh& mesh, std::int64_t cell_count) {
+std::vector<Hdf5Dataset> datasets_of(const ColumnMesh& mesh, std::int64_t cell_count,
+                                     const CellZones& zones) {
   const auto nodes = static_cast<std::uint64_t>(mesh.node_count());
   const auto cells = static_cast<std::uint64_t>(cell_count);
-  return {{{kGeometry, Hdf5Type::kFloat64, nodes, 3},
-           {kTopology, Hdf5Type::kInt64, cells, 4},
-           {kRegion, Hdf5Type::kInt32, cells, 0},
-           {kOrigin, Hdf5Type::kFloat64, kPointNumbers, 0}}};
+  std::vector<Hdf5Dataset> datasets{{kGeometry, Hdf5Type::kFloat64, nodes, 3},
+                                    {kTopology, Hdf5Type::kInt64, cells, 4},
+                                    {kRegion, Hdf5Type::kInt32, cells, 0}};
+  if (!zones.empty()) datasets.push_back({kZone, Hdf5Type::kInt32, cells, 0});
+  datasets.push_back({kOrigin, Hdf5Type::kFloat64, kPointNumbers, 0});
+  return datasets;
 }
 
 std::array<Hdf5Dataset, 4> datasets_of(const SurfaceMesh& surface) {
@@ -54,7 +57,7 @@ void write_origin(Output& file, const Point3& origin) {
 
 template <typename Output>
 void write_volume(Output& file, const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
-                  const Placement& placement, const Progress& progress) {
+                  const CellZones& zones, const Placement& placement, const Progress& progress) {
   file.write_next(
       point_rows(mesh),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
@@ -73,6 +76,12 @@ void write_volume(Output& file, const ColumnMesh& mesh, const std::vector<CellIn
         append_regions(mesh, cells, begin, end, buffer);
       },
       portion(progress, 0.9, 1));
+  if (!zones.empty())
+    file.write_next(zones.of_cell.size(),
+                    [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                      for (std::size_t c = begin; c < end; ++c)
+                        append_raw(buffer, zones.of_cell[c]);
+                    });
   write_origin(file, placement.origin);
 }
 
@@ -107,13 +116,13 @@ std::filesystem::path data_path_of(const std::filesystem::path& path) {
 /// The descriptions appear after the data they refer to.
 template <typename Output>
 void write_all(const std::filesystem::path& volume_path, const std::filesystem::path& boundary_path,
-               const ColumnMesh& mesh, const SurfaceMesh& surface, const Placement& placement,
-               const Progress& progress) {
+               const ColumnMesh& mesh, const SurfaceMesh& surface, const CellZones& zones,
+               const Placement& placement, const Progress& progress) {
   const std::vector<CellIndex> cells = cell_offsets(mesh);
   const std::filesystem::path volume_data = data_path_of(volume_path);
   const std::filesystem::path boundary_data = data_path_of(boundary_path);
-  Output volume(volume_data, datasets_of(mesh, cells.back().value()));
-  write_volume(volume, mesh, cells, placement, progress);
+  Output volume(volume_data, datasets_of(mesh, cells.back().value(), zones));
+  write_volume(volume, mesh, cells, zones, placement, progress);
   Output boundary(boundary_data, datasets_of(surface));
   write_boundary(boundary, surface, placement.origin);
 
@@ -121,8 +130,8 @@ void write_all(const std::filesystem::path& volume_path, const std::filesystem::
   for (const PatchInfo& info : surface.patches)
     names[static_cast<std::int32_t>(info.patch)] = info.name;
   AtomicFile of_volume(volume_path), of_boundary(boundary_path);
-  of_volume.write(volume_description(mesh.node_count(), cells.back().value(), placement.origin,
-                                     volume_data.filename().string()));
+  of_volume.write(volume_description(mesh.node_count(), cells.back().value(), !zones.empty(),
+                                     placement.origin, volume_data.filename().string()));
   of_boundary.write(boundary_description(
       mesh.node_count(), static_cast<std::int64_t>(surface.triangles.size()), names,
       placement.origin, volume_data.filename().string(), boundary_data.filename().string()));
@@ -136,15 +145,15 @@ void write_all(const std::filesystem::path& volume_path, const std::filesystem::
 
 void write_xdmf(const std::filesystem::path& volume, const std::filesystem::path& boundary,
                 const ColumnMesh& mesh, const SurfaceMesh& surface, const Placement& placement,
-                const Progress& progress, Compression compression) {
+                const Progress& progress, Compression compression, const CellZones& zones) {
   if (volume.parent_path() != boundary.parent_path() || volume.stem() == boundary.stem())
     throw_cannot_write(boundary, "it needs another name than the volume, in the same folder");
   refuse_prisms(volume, mesh);
   require_boundary_of(mesh, surface);
   if (compression == Compression::kNone)
-    write_all<Hdf5Output>(volume, boundary, mesh, surface, placement, progress);
+    write_all<Hdf5Output>(volume, boundary, mesh, surface, zones, placement, progress);
   else
-    write_all<Hdf5CompressedOutput>(volume, boundary, mesh, surface, placement, progress);
+    write_all<Hdf5CompressedOutput>(volume, boundary, mesh, surface, zones, placement, progress);
 }
 
 }  // namespace tetropolis

@@ -18,6 +18,7 @@
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/io/file/compression.h"
 #include "tetropolis/io/file/placement.h"
+#include "tetropolis/volume/cell_zones.h"
 #include "tetropolis/volume/column/boundary.h"
 #include "tetropolis/volume/column/column_mesh.h"
 #include "tetropolis/volume/tet_mesh.h"
@@ -29,7 +30,8 @@ namespace tetropolis {
 ///
 /// Grid "mesh" of the volume: the tets, nodes and cells numbered as write_vtu does. HDF5 datasets
 /// /Mesh/mesh/geometry (n x 3, float64, Placement::shift added), /Mesh/mesh/topology (m x 4,
-/// int64), /Mesh/mesh/region (m, int32: building the cell stands over, or -1). Grid "boundary": the
+/// int64), /Mesh/mesh/region (m, int32: building the cell stands over, or -1) and, with `zones`,
+/// /Mesh/mesh/zone (m, int32: CellZones::of_cell). Grid "boundary": the
 /// faces of `surface` over the same nodes, to which it refers. /MeshTags/boundary/topology (f x 3,
 /// int64, normals leaving the air), /patch (f, int32, see Patch) and /building (f, int32, -1 where
 /// none). The names of the patches are where meshio has its `field_data`: an Information of the
@@ -44,7 +46,8 @@ namespace tetropolis {
 /// written, are not in one folder, or if a name ends in .h5; Cancelled.
 void write_xdmf(const std::filesystem::path& volume, const std::filesystem::path& boundary,
                 const ColumnMesh& mesh, const SurfaceMesh& surface, const Placement& placement,
-                const Progress& progress = {}, Compression compression = Compression::kNone);
+                const Progress& progress = {}, Compression compression = Compression::kNone,
+                const CellZones& zones = {});
 
 /// Reads a volume or a boundary that write_xdmf has written, plain or compressed: `path` and the
 /// HDF5 files beside it that it names. Points of the boundary are in the order of the volume's.
