@@ -126,7 +126,7 @@ def test_geopandas(city):
 
 def test_canopies(shared_city, tmp_path):
     """Trees of the whole domain, by the vegetation that the points measure, and of a stated height."""
-    x, y, _ = shared_city.origin
+    x, y = shared_city.origin
     polygon = [[[x - 1e3, y - 1e3], [x + 2e3, y - 1e3], [x + 2e3, y + 2e3], [x - 1e3, y + 2e3], [x - 1e3, y - 1e3]]]
     trees = tmp_path / "trees.geojson"
     trees.write_text(json.dumps({

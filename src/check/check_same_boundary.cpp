@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/ragged_builder.h"
-#include "square_grid.h"
+#include "geometry/square_grid.h"
 #include "vector3.h"
 #include "violations.h"
 

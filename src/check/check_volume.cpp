@@ -13,7 +13,7 @@
 #include "core/parallel.h"
 #include "core/ragged_builder.h"
 #include "edges.h"
-#include "square_grid.h"
+#include "geometry/square_grid.h"
 #include "vector3.h"
 #include "violations.h"
 #include "volume_parts.h"

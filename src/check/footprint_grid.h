@@ -8,7 +8,7 @@
 
 #include "tetropolis/city/city_model.h"
 
-#include "grid_index.h"
+#include "geometry/grid_index.h"
 
 namespace tetropolis {
 

@@ -10,6 +10,8 @@
 #include "tetropolis/volume/column/column_mesh.h"
 
 #include "core/parallel.h"
+#include "core/sort_once.h"
+#include "geometry/grid_index.h"
 
 namespace tetropolis {
 
@@ -25,14 +27,25 @@ struct Centroid {
 class Canopies {
  public:
   explicit Canopies(std::span<const Canopy> canopies) : canopies_(canopies) {
-    for (const Canopy& canopy : canopies) boxes_.push_back(bounds(canopy.area));
+    for (const Canopy& canopy : canopies) {
+      boxes_.push_back(bounds(canopy.area));
+      box_.extend(boxes_.back());
+    }
+    index_ = index_on_grid(boxes_.size(), box_,
+                           [&](const SquareGrid& grid, std::size_t i, const auto& use) {
+                             if (!boxes_[i].empty()) grid.for_each_in(boxes_[i], use);
+                           });
   }
 
   /// Numbers of those whose box meets `box`, ascending.
   void find(const Bounds2& box, std::vector<std::size_t>& found) const {
     found.clear();
-    for (std::size_t i = 0; i < boxes_.size(); ++i)
-      if (boxes_[i].intersects(box)) found.push_back(i);
+    if (!box.intersects(box_)) return;
+    index_.grid.for_each_in(box, [&](std::size_t square) {
+      for (const std::uint32_t i : index_.rows[square])
+        if (boxes_[i].intersects(box)) found.push_back(i);
+    });
+    sort_once(found);
   }
 
   /// 1 + the number of the first of `among` that has the cell, or 0.
@@ -49,6 +62,8 @@ class Canopies {
  private:
   std::span<const Canopy> canopies_;
   std::vector<Bounds2> boxes_;
+  Bounds2 box_ = Bounds2::nothing();
+  GridIndex index_{SquareGrid({}, 0), {}};
 };
 
 /// Where the stack over a triangle begins at its corners.
