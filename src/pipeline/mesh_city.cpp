@@ -27,6 +27,7 @@
 #include "volume/column/ground_heights.h"
 #include "volume/column/levels.h"
 #include "volume/column/roof_heights.h"
+#include "volume/layers/improve_prisms.h"
 #include "volume/layers/prism_layers.h"
 #include "volume/upper/grow_upper.h"
 
@@ -414,7 +415,11 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
       const double least_growth = alone ? 1 : 1 / options.boundary_layers.growth;
       lay_prisms(columns.plan.lift, options.boundary_layers, least_growth, columns.mesh);
       if (alone) make_whole(columns.mesh);
-      result.volume_facts.prisms = measure_prisms(columns.mesh, options.boundary_layers.first);
+      PrismQuality& prisms = result.volume_facts.prisms;
+      prisms = measure_prisms(columns.mesh, options.boundary_layers.first);
+      if (!alone || is_within(prisms, PrismAims{})) return;
+      result.volume_facts.columns_improved = improve_prisms(columns.mesh, PrismAims{});
+      prisms = measure_prisms(columns.mesh, options.boundary_layers.first);
     });
   if (!columns.mesh.upper.empty() || columns.mesh.layers.cells() > 0)
     result.volume_facts.min_vertical_gap = require_valid(columns.mesh);

@@ -109,8 +109,10 @@ TEST(Prisms, StandOnHills) {
   for (const auto& terrain : {ridges, testing::hills}) {
     const CityMesh mesh = mesh_of(houses_on(terrain), Cells::kPrisms);
     EXPECT_TRUE(mesh.volume.layers.whole);
-    EXPECT_LE(mesh.volume_facts.prisms.max_non_orthogonality_deg, 70);
-    EXPECT_EQ(mesh.volume_facts.prisms.above_70, 0);
+    EXPECT_LE(mesh.volume_facts.prisms.max_non_orthogonality_deg, 65);
+    EXPECT_LE(mesh.volume_facts.prisms.max_skewness, 3);
+    EXPECT_NEAR(mesh.volume_facts.volume / volume_above_floors(mesh.volume, mesh.volume_facts.top),
+                1, 1e-9);
   }
 }
 

@@ -19,21 +19,6 @@ namespace {
 
 constexpr std::size_t kTrianglesPerChunk = 1024;
 
-/// Prism `layer` of the stack over triangle t.
-Prism prism_at(const ColumnMesh& mesh, TriangleIndex t, std::int32_t layer) {
-  const auto& v = mesh.ground.triangles[t];
-  const auto z = [&](VertexIndex u, std::int32_t k) {
-    return elevation(mesh, prism_node(mesh, t, u, k));
-  };
-  std::array<Point3, 3> low{}, high{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Point2 p = mesh.ground.vertices[v[i]];
-    low[i] = {p.x, p.y, z(v[i], layer)};
-    high[i] = {p.x, p.y, z(v[i], layer + 1)};
-  }
-  return prism_between(low, high);
-}
-
 double least_height(const Prism& prism) {
   double least = kInfinity;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -96,18 +81,6 @@ Sums added(Sums a, const Sums& b) {
   return a;
 }
 
-/// The triangle beyond the side from corner i to the next.
-TriangleIndex beyond(const ColumnMesh& mesh, TriangleIndex t, std::size_t i) {
-  const auto& v = mesh.ground.triangles[t];
-  const std::array<VertexIndex, 2> ends{std::min(v[i], v[(i + 1) % 3]),
-                                        std::max(v[i], v[(i + 1) % 3])};
-  for (const EdgeIndex e : mesh.edges.of_triangle[t])
-    if (mesh.edges.vertices[e] == ends)
-      return mesh.edges.triangles[e][0] == t ? mesh.edges.triangles[e][1]
-                                             : mesh.edges.triangles[e][0];
-  return kNoTriangle;
-}
-
 /// The centre of the lowest tet over triangle t.
 Point3 lowest_tet(const ColumnMesh& mesh, TriangleIndex t) {
   const Climb<3> front = climb_triangle(mesh, t);
@@ -127,7 +100,7 @@ void add_over(const ColumnMesh& mesh, TriangleIndex t, Sums& sums) {
   for (std::int32_t k = 0; k < count; ++k) {
     sums.add(prism);
     for (std::size_t i = 0; i < 3; ++i) {
-      const TriangleIndex other = beyond(mesh, t, i);
+      const TriangleIndex other = triangle_beyond(mesh, t, i);
       const bool has_prisms = other != kNoTriangle && prism_count(mesh, other) > 0;
       const std::int32_t beside =
           has_prisms ? k + prisms_above(mesh, t, other, mesh.ground.triangles[t][i]) : -1;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "geometry/vec3.h"
 
@@ -82,6 +83,31 @@ double skewness_at_boundary(const PrismFace& face, const Point3& from) {
   const double share = dot(face.area, to_face) / dot(face.area, face.area);
   return skewness(face, plus(to_face, -share, face.area),
                   0.4 * std::abs(share) * length(face.area));
+}
+
+Prism prism_at(const ColumnMesh& mesh, TriangleIndex t, std::int32_t layer) {
+  const auto& v = mesh.ground.triangles[t];
+  const auto z = [&](VertexIndex u, std::int32_t k) {
+    return elevation(mesh, prism_node(mesh, t, u, k));
+  };
+  std::array<Point3, 3> low{}, high{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Point2 p = mesh.ground.vertices[v[i]];
+    low[i] = {p.x, p.y, z(v[i], layer)};
+    high[i] = {p.x, p.y, z(v[i], layer + 1)};
+  }
+  return prism_between(low, high);
+}
+
+TriangleIndex triangle_beyond(const ColumnMesh& mesh, TriangleIndex t, std::size_t i) {
+  const auto& v = mesh.ground.triangles[t];
+  const std::array<VertexIndex, 2> ends{std::min(v[i], v[(i + 1) % 3]),
+                                        std::max(v[i], v[(i + 1) % 3])};
+  for (const EdgeIndex e : mesh.edges.of_triangle[t])
+    if (mesh.edges.vertices[e] == ends)
+      return mesh.edges.triangles[e][0] == t ? mesh.edges.triangles[e][1]
+                                             : mesh.edges.triangles[e][0];
+  return kNoTriangle;
 }
 
 }  // namespace tetropolis

@@ -3,9 +3,10 @@
 
 #include <array>
 #include <cstddef>
-#include <span>
+#include <cstdint>
 
 #include "tetropolis/geometry/types.h"
+#include "tetropolis/volume/column/column_mesh.h"
 
 namespace tetropolis {
 
@@ -27,6 +28,12 @@ struct Prism {
 
 /// Corners of the lower and of the upper face, each above the other, counter-clockwise from above.
 Prism prism_between(const std::array<Point3, 3>& low, const std::array<Point3, 3>& high);
+
+/// Prism `layer` of the stack over triangle t.
+Prism prism_at(const ColumnMesh& mesh, TriangleIndex t, std::int32_t layer);
+
+/// The triangle beyond the side from corner i to the next; kNoTriangle on the rim.
+TriangleIndex triangle_beyond(const ColumnMesh& mesh, TriangleIndex t, std::size_t i);
 
 /// Cosine of the angle between a face's area and the line between the centres of the cells at it;
 /// the area leaves the first.
