@@ -112,6 +112,8 @@ std::vector<FoamCanopy> read_canopies(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error)) return {};
   const FoamFile file(path);
+  // Ours are text; what another program has written has no leaves.
+  if (file.header().find("binary") != std::string::npos) return {};
   const std::string text(file.rest());
   const auto is_space = [](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; };
   std::vector<FoamCanopy> canopies;

@@ -497,22 +497,23 @@ std::function<std::string()> known(std::string text) {
   return [text = std::move(text)] { return text; };
 }
 
-/// Drag of leaves: explicit porosity with the force -f |U| U / 2 per volume and density.
+/// Drag of leaves: explicit porosity with the force -f |U| U / 2 per volume and density. Versions
+/// that call it porosityForce know the older name, too.
 std::string drag(const OpenfoamCaseOptions& options, const FoamMesh& mesh,
-                 const std::string& object, const char* type) {
+                 const std::string& object) {
   std::string text = head("dictionary", object);
   for (const FoamCanopy& canopy : mesh.canopies) {
     const double f = 2 * options.leaf_drag * canopy.leaf_area_density;
     text += fmt::format(R"({0}  // 2 Cd LAD: leaf area density {1} 1/m
 {{
-    type            {2};
-    {2}Coeffs
+    type            explicitPorositySource;
+    explicitPorositySourceCoeffs
     {{
         selectionMode   cellZone;
         cellZone        {0};
         type            DarcyForchheimer;
         d               (0 0 0);
-        f               ({3:.8g} {3:.8g} {3:.8g});
+        f               ({2:.8g} {2:.8g} {2:.8g});
         coordinateSystem
         {{
             type    cartesian;
@@ -522,7 +523,7 @@ std::string drag(const OpenfoamCaseOptions& options, const FoamMesh& mesh,
     }}
 }}
 )",
-                        canopy.name, canopy.leaf_area_density, type, f);
+                        canopy.name, canopy.leaf_area_density, f);
   }
   return text;
 }
@@ -559,11 +560,9 @@ void add_files_of(const FoamMesh& mesh, const OpenfoamCaseOptions& options, cons
   add("system/controlDict", known(control(options, points)));
   add("system/fvSchemes", known(head("dictionary", "fvSchemes") + foam_texts::kFvSchemes));
   add("system/fvSolution", known(head("dictionary", "fvSolution") + foam_texts::kFvSolution));
-  if (!mesh.canopies.empty())
-    add(kFvOptions, known(drag(options, mesh, "fvOptions", "explicitPorositySource")));
+  if (!mesh.canopies.empty()) add(kFvOptions, known(drag(options, mesh, "fvOptions")));
   if (!is_org) return;
-  if (!mesh.canopies.empty())
-    add(kFvModels, known(drag(options, mesh, "fvModels", "porosityForce")));
+  if (!mesh.canopies.empty()) add(kFvModels, known(drag(options, mesh, "fvModels")));
   add("constant/momentumTransport", known(turbulence_model("momentumTransport", true)));
   add("constant/physicalProperties",
       known(head("dictionary", "physicalProperties") +

@@ -14,6 +14,7 @@
 #include "tetropolis/pipeline/mesh_city.h"
 #include "tetropolis/volume/column/explicit_mesh.h"
 
+#include "pipeline/canopy_heights.h"
 #include "support/small_city.h"
 
 namespace tetropolis {
@@ -182,6 +183,50 @@ TEST_P(Canopies, LeaveTheMeshAsItIs) {
   EXPECT_EQ(with.volume.layers.z, without.volume.layers.z);
   EXPECT_TRUE(without.zones.empty());
   EXPECT_TRUE(without.zones.of_cell.empty());
+}
+
+TEST(CanopyHeights, AreThoseOfTheHighestPointOfVegetationNearestToANode) {
+  const Raster terrain =
+      testing::raster_of({0, 0, 30, 20}, [](double x, double y) { return 5 + 0.1 * x - 0.2 * y; });
+  PointCloud cloud;
+  const std::size_t count = 800;
+  for (auto* values : {&cloud.x, &cloud.y, &cloud.z}) values->resize(count);
+  cloud.classification.resize(count);
+  std::uint32_t state = 7;
+  const auto next = [&](double most) {
+    state = state * 1664525U + 1013904223U;
+    return most * static_cast<double>(state >> 8U) / static_cast<double>(1U << 24U);
+  };
+  for (std::size_t p = 0; p < count; ++p) {
+    cloud.x[p] = next(34) - 2;  // some beyond the terrain
+    cloud.y[p] = next(24) - 2;
+    cloud.z[p] = 5 + next(20);
+    cloud.classification[p] = static_cast<std::uint8_t>(1 + p % 6);
+  }
+  const Raster heights = measure_canopies(cloud, terrain);
+  ASSERT_EQ(heights.values.size(), terrain.values.size());
+  std::int64_t measured = 0;
+  for (std::int32_t j = 0; j < terrain.ny; ++j)
+    for (std::int32_t i = 0; i < terrain.nx; ++i) {
+      std::optional<double> highest;
+      for (std::size_t p = 0; p < count; ++p) {
+        const double x = cloud.x[p], y = cloud.y[p];
+        if (cloud.classification[p] < 3 || cloud.classification[p] > 5 || std::abs(x - i) > 0.5 ||
+            std::abs(y - j) > 0.5)
+          continue;
+        const double bx = std::clamp(x, 0.0, 30.0), by = std::clamp(y, 0.0, 20.0);
+        const double height = cloud.z[p] - (5 + 0.1 * bx - 0.2 * by);
+        highest = std::max(highest.value_or(height), height);
+      }
+      measured += highest ? 1 : 0;
+      EXPECT_EQ(std::isnan(heights.at(i, j)), !highest);
+      if (highest) {
+        EXPECT_NEAR(heights.at(i, j), *highest, 1e-9);
+      }
+    }
+  EXPECT_GT(measured, 200);
+  std::fill(cloud.classification.begin(), cloud.classification.end(), kUnclassified);
+  EXPECT_TRUE(measure_canopies(cloud, terrain).values.empty());
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, Canopies,

@@ -425,11 +425,13 @@ def check_canopies(program, folder):
         for name, x0, x1 in ("before", 20, 50), ("in", 82, 93), ("behind", 100, 130):
             speeds = [math.hypot(*row[3:6]) for row in rows if x0 < row[0] < x1 and 20 < row[1] < 80]
             means.setdefault(name, []).append(sum(speeds) / len(speeds))
+    run(program, "case", "openfoam", case, "--dialect", "org", "--leaf-drag", 0.1, "--overwrite")
+    assert re.findall(r"\bf +\((\S+)", (case / "constant/fvModels").read_text()) == ["0.2", "0.14"]
     # A case without canopies that replaces one has no drag.
     for name in ("cellZones",):
         (case / "constant/polyMesh" / name).unlink()
     run(program, "case", "openfoam", case, "--overwrite")
-    assert not (case / "constant/fvOptions").exists()
+    assert not (case / "constant/fvOptions").exists() and not (case / "constant/fvModels").exists()
     if not means:
         return SKIPPED
     print({name: f"{slow:.2f} m/s for {plain:.2f}" for name, (slow, plain) in means.items()})
