@@ -1,11 +1,13 @@
 // The mesh of an OpenFOAM case, as write_openfoam writes it, read back.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tetropolis/geometry/types.h"
@@ -57,6 +59,13 @@ struct FaceGeometry {
   Point3 area{};
 };
 FaceGeometry face_geometry(const FoamMesh& mesh, std::size_t f);
+
+/// Low and high corner of a box in the plane.
+using PlanBox = std::pair<std::array<double, 2>, std::array<double, 2>>;
+
+/// The box around the buildings, wider by the height of the highest above the lowest ground; low is
+/// above high if there are none.
+PlanBox town_of(const FoamMesh& mesh);
 
 /// Reads `folder` (constant/polyMesh). Throws Error(kInput) naming the file, what is wrong and what
 /// to do.

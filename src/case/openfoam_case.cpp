@@ -7,7 +7,6 @@
 #include <functional>
 #include <iterator>
 #include <limits>
-#include <optional>
 #include <set>
 #include <system_error>
 #include <unordered_map>
@@ -223,26 +222,29 @@ std::string entry(const std::string& type, const std::string& rest = "") {
 
 std::string fixed(const std::string& value) { return entry("fixedValue", "value " + value + ";"); }
 
-/// Heights in a mesh, the same for all winds.
-struct Heights {
-  explicit Heights(const FoamMesh& mesh)
-      : floors(floors_below(mesh.points)), cells(heights_of_cells(mesh, floors)) {}
+/// What is the same for all winds over a mesh: heights, and where the buildings are.
+struct Places {
+  explicit Places(const FoamMesh& mesh)
+      : floors(floors_below(mesh.points)),
+        cells(heights_of_cells(mesh, floors)),
+        town(town_of(mesh)) {}
 
   std::vector<double> floors;
   std::vector<double> cells;
+  PlanBox town;
 };
 
 /// The files of 0/.
 class Fields {
  public:
-  /// Mesh and heights must outlive them.
-  Fields(const FoamMesh& mesh, const Heights& heights, const OpenfoamCaseOptions& options)
+  /// Mesh and places must outlive them.
+  Fields(const FoamMesh& mesh, const Places& places, const OpenfoamCaseOptions& options)
       : mesh_(mesh),
-        heights_(heights),
+        places_(places),
         options_(options),
         profile_(options.wind),
         to_(direction(options.wind)),
-        patches_(patches_of(mesh, heights.floors, options.wind)),
+        patches_(patches_of(mesh, places.floors, options.wind)),
         top_(height_of_top()) {}
 
   const std::vector<CasePatch>& patches() const { return patches_; }
@@ -255,7 +257,7 @@ class Fields {
     const double s = profile_.speed(top_);
     const std::string top = fmt::format("uniform ({:.8g} {:.8g} 0)", s * to_[0], s * to_[1]);
     return field(
-        "U", "volVectorField", "[0 1 -1 0 0 0 0]", speed(heights_.cells),
+        "U", "volVectorField", "[0 1 -1 0 0 0 0]", speed(places_.cells),
         [&](const CasePatch& p) -> std::string {
           if (p.patch->is_wall) return entry("noSlip");
           if (p.kind == CasePatch::Kind::kTop) return fixed(top);
@@ -293,7 +295,7 @@ class Fields {
                  ? scalars(heights.size(), [&](std::size_t i) { return profile_.k(heights[i]); })
                  : uniform(0);
     };
-    return turbulence("k", "[0 2 -2 0 0 0 0]", at(heights_.cells),
+    return turbulence("k", "[0 2 -2 0 0 0 0]", at(places_.cells),
                       entry("kqRWallFunction", "value " + uniform(0) + ";"), uniform(top_), at);
   }
 
@@ -304,7 +306,7 @@ class Fields {
     };
     const std::string wall = fmt::format("value uniform {:.8g}; Cmu {}; kappa {}; E 9.8;",
                                          profile_.dissipation(2), kCmu, kKarman);
-    return turbulence("epsilon", "[0 2 -3 0 0 0 0]", epsilon(heights_.cells),
+    return turbulence("epsilon", "[0 2 -3 0 0 0 0]", epsilon(places_.cells),
                       entry("epsilonWallFunction", wall),
                       fmt::format("uniform {:.8g}", profile_.dissipation(top_)), epsilon);
   }
@@ -332,14 +334,12 @@ class Fields {
     if (own != options_.patch_roughness.end()) return own->second;
     if (options_.ground_roughness <= 0) return options_.wind.roughness;
     const Point3 at = face_geometry(mesh_, f).centre;
-    const auto& [low, high] = town();
+    const auto& [low, high] = places_.town;
     const bool inside = at[0] >= low[0] && at[0] <= high[0] && at[1] >= low[1] && at[1] <= high[1];
     return inside ? options_.ground_roughness : options_.wind.roughness;
   }
 
  private:
-  using Box = std::pair<std::array<double, 2>, std::array<double, 2>>;
-
   template <typename OfPatch>
   std::string field(const std::string& name, const std::string& type, const char* dimensions,
                     const std::string& inside, const OfPatch& of_patch) const {
@@ -375,38 +375,11 @@ class Fields {
       for (std::size_t f = p.patch->begin; f < p.patch->end; ++f)
         for (const std::int32_t corner : mesh_.face(f)) {
           highest = std::max(highest, mesh_.point(corner)[2]);
-          sum += heights_.floors[static_cast<std::size_t>(corner)];
+          sum += places_.floors[static_cast<std::size_t>(corner)];
           ++count;
         }
     }
     return count > 0 ? highest - sum / count : options_.wind.height;
-  }
-
-  /// The box around the buildings, wider by the height of the highest above the lowest ground.
-  const Box& town() const {
-    if (town_) return *town_;
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    Box box{{kInfinity, kInfinity}, {-kInfinity, -kInfinity}};
-    double low = kInfinity, high = -kInfinity;
-    for (const CasePatch& p : patches_) {
-      if (p.kind != CasePatch::Kind::kBuilding) continue;
-      for (std::size_t f = p.patch->begin; f < p.patch->end; ++f)
-        for (const std::int32_t corner : mesh_.face(f)) {
-          const Point3& at = mesh_.point(corner);
-          for (std::size_t c = 0; c < 2; ++c) {
-            box.first[c] = std::min(box.first[c], at[c]);
-            box.second[c] = std::max(box.second[c], at[c]);
-          }
-          low = std::min(low, at[2]);
-          high = std::max(high, at[2]);
-        }
-    }
-    for (std::size_t c = 0; c < 2; ++c) {
-      box.first[c] -= high - low;
-      box.second[c] += high - low;
-    }
-    town_ = box;
-    return *town_;
   }
 
   std::string ground_roughness_text(const FoamPatch& patch) const {
@@ -417,13 +390,12 @@ class Fields {
   }
 
   const FoamMesh& mesh_;
-  const Heights& heights_;
+  const Places& places_;
   OpenfoamCaseOptions options_;
   WindProfile profile_;
   std::array<double, 2> to_;
   std::vector<CasePatch> patches_;
   double top_;
-  mutable std::optional<Box> town_;
 };
 
 /// `points`: the file of the points of people.
@@ -671,9 +643,10 @@ OpenfoamCase facts_of(const FoamMesh& mesh, const Fields& fields, const SamplePo
 OpenfoamCase write_openfoam_case(const fs::path& folder, const OpenfoamCaseOptions& given) {
   const OpenfoamCaseOptions options = checked(given);
   const FoamMesh mesh = read_foam_mesh(folder / "constant/polyMesh");
-  const Heights heights(mesh);
-  const Fields fields(mesh, heights, options);
-  const SamplePoints samples = sample_points(mesh, options.sample_height, options.sample_spacing);
+  const Places places(mesh);
+  const Fields fields(mesh, places, options);
+  const SamplePoints samples =
+      sample_points(mesh, places.town, options.sample_height, options.sample_spacing);
   std::vector<CaseFile> files;
   add_files_of(mesh, options, fields, "pedestrian", "", files);
   add_shared_files(options, samples, files);
@@ -711,15 +684,16 @@ std::vector<OpenfoamCase> write_openfoam_cases(const fs::path& folder,
   if (winds.empty()) throw Error(ErrorKind::kUsage, "wind-from: names no direction");
 
   const FoamMesh mesh = read_foam_mesh(folder / "constant/polyMesh");
-  const Heights heights(mesh);
-  const SamplePoints samples = sample_points(mesh, options.sample_height, options.sample_spacing);
+  const Places places(mesh);
+  const SamplePoints samples =
+      sample_points(mesh, places.town, options.sample_height, options.sample_spacing);
   std::vector<Fields> fields;
   fields.reserve(winds.size());
   std::vector<CaseFile> files;
   add_shared_files(options, samples, files);
   for (const OpenfoamCaseOptions& wind : winds) {
     const std::string into = folder_of_wind(wind.wind.from) + "/";
-    fields.emplace_back(mesh, heights, wind);
+    fields.emplace_back(mesh, places, wind);
     add_files_of(mesh, wind, fields.back(), "../../system/pedestrian", into, files);
     files.emplace_back(into + "Allrun", known(allrun(options, "../wind.py .")));
   }

@@ -174,6 +174,16 @@ def check_rose(program, folder):
     for name in "U", "p", "k", "epsilon", "nut":
         assert (case / "w240/0" / name).read_bytes() == (single / "0" / name).read_bytes(), name
         assert name in ("p", "k", "nut") or (case / "w030/0" / name).read_bytes() != (single / "0" / name).read_bytes(), name
+    points, patches = mesh_of(case)  # people are among the buildings, not all over the cylinder
+    walls = [p for name, faces in patches.items() if name.startswith(("roof", "wall")) for face in faces for p in face]
+    around = max(p[2] for p in walls) - min(p[2] for p in walls)
+    people = [tuple(map(float, row)) for row in re.findall(
+        r"^\((\S+) (\S+) \S+\)$", (case / "system/pedestrian").read_text(), re.M)]
+    for axis in 0, 1:
+        for most in min, max:
+            edge = most(p[axis] for p in walls) + (around if most is max else -around)
+            assert abs(most(p[axis] for p in people) - edge) < 2, (axis, most, edge)
+    assert max(p[0] for p in points) > max(p[0] for p in people) + 100
     assert (case / "system/pedestrian").read_bytes() == (single / "system/pedestrian").read_bytes()
     for more, status in ([], 2), (["--overwrite"], 0):
         assert subprocess.run([str(w) for w in (program, "case", "openfoam", case, *several, *more)],

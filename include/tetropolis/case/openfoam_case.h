@@ -31,7 +31,8 @@ struct OpenfoamCaseOptions {
       {"water", 0.0002}, {"road", 0.005}, {"vegetation", 0.1}};
   double building_roughness = 0.01;  ///< Of roofs and walls [m]; 0: smooth.
   double leaf_drag = 0.2;            ///< Drag coefficient Cd of leaves in canopies.
-  double sample_height = 1.75;       ///< Where people feel the wind, above the ground [m].
+  double sample_height = 1.75;       ///< Where people feel the wind, above the ground [m], among
+                                     ///< the buildings and one height of the highest around them.
   double sample_spacing = 2;         ///< Of the points there [m], or more: 400,000 points at most.
   int iterations = 500;    ///< At most; residuals below 1e-4 (U: 5e-4) end the run before.
   bool overwrite = false;  ///< Whether a case that is there is replaced.

@@ -17,7 +17,7 @@ namespace tetropolis {
 namespace {
 
 constexpr double kDegreesPerSkewness = 5;  // what both are weighed by
-constexpr double kLeastShare = 0.4;         // of a segment's height
+constexpr double kLeastShare = 0.4;        // of a segment's height
 constexpr int kMostRounds = 60;
 /// Of the room up or down; tried in this order.
 constexpr std::array kSteps{0.4, -0.4, 0.15, -0.15, 0.04, -0.04};
@@ -32,8 +32,7 @@ double penalty_across(const PrismFace& face, const Point3& from, const Point3& t
 }
 
 /// Of all faces of a prism.
-double penalty(const ColumnMesh& mesh, TriangleIndex t, std::int32_t layer,
-               const PrismAims& aims) {
+double penalty(const ColumnMesh& mesh, TriangleIndex t, std::int32_t layer, const PrismAims& aims) {
   const Prism prism = prism_at(mesh, t, layer);
   double sum = 0;
   const auto add = [&](std::size_t face, TriangleIndex other, std::int32_t beside) {
@@ -41,17 +40,16 @@ double penalty(const ColumnMesh& mesh, TriangleIndex t, std::int32_t layer,
     if (other != kNoTriangle && beside >= 0 && beside < prism_count(mesh, other))
       sum += penalty_across(of, prism.centre, prism_at(mesh, other, beside).centre, aims);
     else
-      sum += squared(kDegreesPerSkewness *
-                     (skewness_at_boundary(of, prism.centre) - aims.skewness));
+      sum +=
+          squared(kDegreesPerSkewness * (skewness_at_boundary(of, prism.centre) - aims.skewness));
   };
   add(0, t, layer - 1);
   add(1, t, layer + 1);
   for (std::size_t i = 0; i < 3; ++i) {
     const TriangleIndex other = triangle_beyond(mesh, t, i);
     add(2 + i, other,
-        other == kNoTriangle
-            ? -1
-            : layer + prisms_above(mesh, t, other, mesh.ground.triangles[t][i]));
+        other == kNoTriangle ? -1
+                             : layer + prisms_above(mesh, t, other, mesh.ground.triangles[t][i]));
   }
   return sum;
 }

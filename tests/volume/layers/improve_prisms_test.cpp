@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
+#include <span>
 
 #include <gtest/gtest.h>
 
@@ -17,8 +17,7 @@ namespace {
 double slope(double x, double) { return 0.7 * x; }
 
 TEST(ImprovePrisms, FacesGetBetterAndFloorsStay) {
-  testing::MeshedCity city =
-      testing::city_of_prisms(testing::small_city(slope), 6, {5, 0.5, 1.2});
+  testing::MeshedCity city = testing::city_of_prisms(testing::small_city(slope), 6, {5, 0.5, 1.2});
   const ColumnMesh before = city.mesh;
   const PrismQuality was = measure_prisms(before, 0.5);
   const PrismAims aims;
