@@ -7,7 +7,6 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
-#include <limits>
 #include <optional>
 #include <regex>
 #include <string_view>
@@ -17,6 +16,7 @@
 
 #include "tetropolis/core/error.h"
 
+#include "core/infinity.h"
 #include "geometry/vec3.h"
 
 namespace tetropolis {
@@ -196,29 +196,20 @@ FaceGeometry face_geometry(const FoamMesh& mesh, std::size_t f) {
   return face;
 }
 
-PlanBox town_of(const FoamMesh& mesh) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  PlanBox box{{kInfinity, kInfinity}, {-kInfinity, -kInfinity}};
+Bounds2 town_of(const FoamMesh& mesh) {
+  Bounds2 box = Bounds2::nothing();
   double low = kInfinity, high = -kInfinity;
   for (const FoamPatch& patch : mesh.patches) {
     if (!patch.of_building()) continue;
     for (std::size_t f = patch.begin; f < patch.end; ++f)
       for (const std::int32_t corner : mesh.face(f)) {
         const Point3& at = mesh.point(corner);
-        for (std::size_t c = 0; c < 2; ++c) {
-          box.first[c] = std::min(box.first[c], at[c]);
-          box.second[c] = std::max(box.second[c], at[c]);
-        }
+        box.extend(Point2{at[0], at[1]});
         low = std::min(low, at[2]);
         high = std::max(high, at[2]);
       }
   }
-  if (low > high) return box;
-  for (std::size_t c = 0; c < 2; ++c) {
-    box.first[c] -= high - low;
-    box.second[c] += high - low;
-  }
-  return box;
+  return box.empty() ? box : box.grown(high - low);
 }
 
 FoamMesh read_foam_mesh(const fs::path& folder) {

@@ -1,13 +1,11 @@
 // The mesh of an OpenFOAM case, as write_openfoam writes it, read back.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "tetropolis/geometry/types.h"
@@ -60,12 +58,9 @@ struct FaceGeometry {
 };
 FaceGeometry face_geometry(const FoamMesh& mesh, std::size_t f);
 
-/// Low and high corner of a box in the plane.
-using PlanBox = std::pair<std::array<double, 2>, std::array<double, 2>>;
-
-/// The box around the buildings, wider by the height of the highest above the lowest ground; low is
-/// above high if there are none.
-PlanBox town_of(const FoamMesh& mesh);
+/// The box around the buildings, wider by the height of the highest above the lowest ground; empty
+/// if there are none.
+Bounds2 town_of(const FoamMesh& mesh);
 
 /// Reads `folder` (constant/polyMesh). Throws Error(kInput) naming the file, what is wrong and what
 /// to do.

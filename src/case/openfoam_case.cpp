@@ -231,7 +231,7 @@ struct Places {
 
   std::vector<double> floors;
   std::vector<double> cells;
-  PlanBox town;
+  Bounds2 town;
 };
 
 /// The files of 0/.
@@ -334,9 +334,8 @@ class Fields {
     if (own != options_.patch_roughness.end()) return own->second;
     if (options_.ground_roughness <= 0) return options_.wind.roughness;
     const Point3 at = face_geometry(mesh_, f).centre;
-    const auto& [low, high] = places_.town;
-    const bool inside = at[0] >= low[0] && at[0] <= high[0] && at[1] >= low[1] && at[1] <= high[1];
-    return inside ? options_.ground_roughness : options_.wind.roughness;
+    return places_.town.contains({at[0], at[1]}) ? options_.ground_roughness
+                                                 : options_.wind.roughness;
   }
 
  private:

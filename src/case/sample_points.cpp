@@ -53,27 +53,23 @@ void for_each_ground_node(const FoamMesh& mesh, double spacing, const Visit& vis
 
 }  // namespace
 
-SamplePoints sample_points(const FoamMesh& mesh, const PlanBox& town, double height,
+SamplePoints sample_points(const FoamMesh& mesh, const Bounds2& town, double height,
                            double spacing) {
-  const bool is_everywhere = town.first[0] > town.second[0];
-  const auto is_inside = [&](double x, double y) {
-    return is_everywhere ||
-           (x >= town.first[0] && x <= town.second[0] && y >= town.first[1] && y <= town.second[1]);
-  };
+  const auto is_inside = [&](Point2 p) { return town.empty() || town.contains(p); };
   double area = 0;  // of faces around points in the town
   for (const FoamPatch& patch : mesh.patches)
     if (patch.is_wall && !patch.of_building())
       for (std::size_t f = patch.begin; f < patch.end; ++f) {
         const FaceGeometry face = face_geometry(mesh, f);
-        if (is_inside(face.centre[0], face.centre[1])) area += std::abs(face.area[2]);
+        if (is_inside({face.centre[0], face.centre[1]})) area += std::abs(face.area[2]);
       }
   while (area / (spacing * spacing) > static_cast<double>(kMost)) spacing *= 2;
   std::map<Node, double> ground;  // on an edge, the first face gives the height
   while (true) {
     for_each_ground_node(mesh, spacing, [&](std::int64_t j, std::int64_t i, double z) {
-      const double x = (static_cast<double>(i) + 0.5) * spacing;
-      const double y = (static_cast<double>(j) + 0.5) * spacing;
-      if (is_inside(x, y)) ground.emplace(Node(j, i), z);
+      const Point2 p{(static_cast<double>(i) + 0.5) * spacing,
+                     (static_cast<double>(j) + 0.5) * spacing};
+      if (is_inside(p)) ground.emplace(Node(j, i), z);
     });
     if (ground.size() <= kMost) break;
     ground.clear();  // faces across the border of the town are more than their centres told

@@ -13,9 +13,9 @@ struct SamplePoints {
 };
 
 /// The nodes (x, y) = (i + 1/2, j + 1/2) * spacing over faces on the ground (of the patches for
-/// which walls are no buildings), `height` above them, in `town`, or everywhere if that has no
-/// buildings; row by row from the south. The spacing is doubled until they are 400,000 at most.
-SamplePoints sample_points(const FoamMesh& mesh, const PlanBox& town, double height,
+/// which walls are no buildings), `height` above them, in `town`, or everywhere if that is
+/// empty; row by row from the south. The spacing is doubled until they are 400,000 at most.
+SamplePoints sample_points(const FoamMesh& mesh, const Bounds2& town, double height,
                            double spacing);
 
 }  // namespace tetropolis

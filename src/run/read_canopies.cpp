@@ -49,9 +49,9 @@ double number_of(const AttributeColumn* column, std::int64_t feature) {
   return read.ptr == text.data() + text.size() ? value : kNone;
 }
 
-/// NaN without vegetation in the polygon.
-double measured_height(const Raster& measured, const Polygon& area) {
-  const Bounds2 box = bounds(area);
+/// NaN without vegetation in the polygon, which is `origin` away from the raster's frame.
+double measured_height(const Raster& measured, const Polygon& area, Point2 origin) {
+  const Bounds2 box = bounds(area).moved({-origin.x, -origin.y});
   const auto node = [&](double at, double zero, std::int32_t count, bool up) {
     const double i = (at - zero) / measured.step;
     return static_cast<std::int32_t>(
@@ -63,18 +63,10 @@ double measured_height(const Raster& measured, const Polygon& area) {
   for (std::int32_t j = node(box.ymin, measured.y0, measured.ny, true); j < end_y; ++j)
     for (std::int32_t i = node(box.xmin, measured.x0, measured.nx, true); i < end_x; ++i)
       if (std::isfinite(measured.at(i, j)) &&
-          contains(area, {measured.x0 + i * measured.step, measured.y0 + j * measured.step}))
+          contains(area, {origin.x + measured.x0 + i * measured.step,
+                          origin.y + measured.y0 + j * measured.step}))
         heights.push_back(measured.at(i, j));
   return heights.empty() ? kNone : percentile(heights, kTopPercentile);
-}
-
-Polygon moved(Polygon area, Point2 by) {
-  const auto move = [&](Ring& ring) {
-    for (Point2& p : ring) p = {p.x + by.x, p.y + by.y};
-  };
-  move(area.outer);
-  for (Ring& hole : area.holes) move(hole);
-  return area;
 }
 
 /// Why it is no canopy, or nothing.
@@ -142,10 +134,8 @@ std::vector<Canopy> read_canopies(const Config& config, const CityModel& city,
         return std::isnan(value) ? other : value;
       };
       Canopy canopy;
-      canopy.height =
-          is_measured
-              ? measured_height(measured, moved(feature.polygon, {-city.origin.x, -city.origin.y}))
-              : number_of(heights, feature.feature);
+      canopy.height = is_measured ? measured_height(measured, feature.polygon, city.origin)
+                                  : number_of(heights, feature.feature);
       canopy.base = or_else(number_of(base, feature.feature), 0);
       canopy.leaf_area_density =
           or_else(number_of(density, feature.feature), config.leaf_area_density);

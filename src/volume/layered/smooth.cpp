@@ -208,7 +208,6 @@ SmoothReport smooth_to_roofs(LayeredMesh& mesh, std::span<const RegionIndex> low
   });
   SmoothReport report;
   report.solver = solve_laplace(mesh, u, options.laplace, progress);
-
   displace(mesh, u);
   for (const VertexIndex v : mesh.ground.vertices.indices())
     if (lowest_roof[v] != kNoRegion) mesh.column(v)[mesh.roof_layer[v]] = roofs[lowest_roof[v]];
