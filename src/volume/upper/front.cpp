@@ -214,6 +214,10 @@ class Climber {
     if (!std::exchange(triangle(spoke).is_lid, false)) return;
     done_.covered.push_back({TriangleIndex(spoke.piece), v, column(v).cells + nth});
   }
+  void add_poor(VertexIndex v) {
+    done_.poor.push_back(v);
+    for_each_around([&](VertexIndex u) { done_.poor.push_back(u); });
+  }
   void rise(VertexIndex v, double to);
   bool end(VertexIndex v, double least_share, double least_angle);
 
@@ -392,6 +396,7 @@ bool Climber::end(VertexIndex v, double least_share, double least_angle) {
   const auto visit = [&](const auto& self, std::size_t i, std::size_t j) -> std::ptrdiff_t {
     if (j == i + 1) return -1;
     const std::size_t k = split[i * n + j];
+    worst.add(o, ring[i], ring[k], ring[j]);
     const Point3 centre = centre_of({o, ring[i], ring[k], ring[j]});
     std::array<std::ptrdiff_t, 2> behind{self(self, i, k), self(self, k, j)};
     for (std::size_t side = 0; side < 2; ++side) {
@@ -408,6 +413,7 @@ bool Climber::end(VertexIndex v, double least_share, double least_angle) {
   worst.add_face({o, ring[n - 1], ring[0]}, triangle(star_[n - 1]).centre, caps[count - 1].centre);
   if (!(worst.share() > std::min(kGoodEndFaces, least_share))) return false;
   over[n - 1] = static_cast<std::int32_t>(count) - 1;
+  if (worst.is_below_floor()) add_poor(v);
 
   const double order = column(v).order;
   add_step(v, std::numeric_limits<double>::quiet_NaN());
@@ -467,10 +473,7 @@ void Climber::climb(std::span<const VertexIndex> columns, std::int32_t tile, std
     if (wants_to_end(v) && end(v, kGoodEnd, kLeastAngle)) continue;
     const auto [quality, to] = best_rise(v);
     if (quality < kGoodRise && may_end(v) && end(v, quality, kLeastAngleOfNeed)) continue;
-    if (quality < 1 && worst_of_rise(v, to, 0).is_below_floor()) {
-      done_.poor.push_back(v);
-      for_each_around([&](VertexIndex u) { done_.poor.push_back(u); });
-    }
+    if (quality < 1 && worst_of_rise(v, to, 0).is_below_floor()) add_poor(v);
     rise(v, to);
     if (!(to < front_.top)) continue;
     own.due = key(v);
