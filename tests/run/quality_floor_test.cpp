@@ -182,11 +182,15 @@ struct SurveyedCity {
   Top top;
   BoundaryBuildings boundary;
   std::vector<double> bounds;
+  Lod lod = Lod::kBlock;
+  double dtm_step = 1;
+  SynthKind kind = SynthKind::kAdversarial;
 };
 
 /// Cities whose meshes were below the floor once: level ground at the foot of a rock wall, whose
 /// columns have segments as long as the wall is high (3074, 3737); a free top with a cliff above
-/// the wall of a building as large as the domain on a slope (3132).
+/// the wall of a building as large as the domain on a slope (3132); a column of the upper part
+/// that ended above a slope (1728); a step of 0.77 m between roofs beside long triangles (1739).
 TEST(QualityFloor, FoundByTheSurvey) {
   const std::vector<SurveyedCity> cities{
       {3074,
@@ -219,12 +223,38 @@ TEST(QualityFloor, FoundByTheSurvey) {
        Top::kFlat,
        BoundaryBuildings::kDrop,
        {319000, 6396000, 319172, 6396172}},
+      {1728,
+       184,
+       13.9,
+       1.57,
+       20,
+       48,
+       1,
+       Top::kFlat,
+       BoundaryBuildings::kClip,
+       {319000, 6396000, 319184, 6396184},
+       Lod::k2_2,
+       0.5},
+      {1739,
+       353,
+       24.2,
+       1.59,
+       15,
+       91,
+       1,
+       Top::kFlat,
+       BoundaryBuildings::kClip,
+       {},
+       Lod::k2_2,
+       1,
+       SynthKind::kBlocks},
   };
   for (const SurveyedCity& c : cities) {
     SCOPED_TRACE(c.seed);
     const testing::TemporaryFolder folder;
     Config config;
-    config.kind = SynthKind::kAdversarial;
+    config.kind = c.kind;
+    if (c.kind == SynthKind::kBlocks) config.roofs = SynthRoofs::kSloped;
     config.seed = c.seed;
     config.size = c.size;
     config.relief = c.relief;
@@ -232,16 +262,20 @@ TEST(QualityFloor, FoundByTheSurvey) {
     config.out = folder / "input";
     run_synth(config);
     Config build;
-    build.footprints = {folder / "input/footprints.geojson"};
+    const bool is_adversarial = c.kind == SynthKind::kAdversarial;
+    build.footprints = {folder /
+                        (is_adversarial ? "input/footprints.geojson" : "input/footprints.shp")};
     build.points = {folder / "input"};
     build.id_attribute = "id";
+    build.measured_ground = MeasuredGround::kKeep;
+    build.dtm_step = c.dtm_step;
     build.mesh_size = c.mesh_size;
     build.domain_height = c.domain_height;
     build.min_building_distance = c.distance;
     build.top = c.top;
     build.boundary_buildings = c.boundary;
     build.bounds = c.bounds;
-    build.lod = Lod::kBlock;
+    build.lod = c.lod;
     build.out = folder / "out";
     expect_good_angles(*run_build(build).volume_mesh);
   }
