@@ -115,7 +115,7 @@ struct FrontColumn {
   double lid = 0, edge = 0;         // elevation of the lid, longest edge on it
   double due = kInfinity;           // its key when it was put into the queue; infinity: done
   double order = -kInfinity;        // Steps are taken by this, by vertex, and as they come.
-  std::int32_t nth = 0, cells = 0;  // Nodes above the lid, and cells made.
+  std::int32_t cells = 0;           // that it has made
   double spacing = 0;               // In the front as it is,
   double longest = -1;              // as is the longest edge; negative: to be found anew.
   std::int32_t tile = 0, held = 0;  // The phase in which it, or one around it, is left for later.
@@ -204,10 +204,8 @@ class Climber {
   }
   std::pair<double, double> best_rise(VertexIndex v) const;
   Worst worst_of_rise(VertexIndex v, double to, double least_share) const;
-  FrontNode node(VertexIndex v) const { return {v, column(v).nth}; }
   void add_step(VertexIndex v, double to) {
-    done_.steps.push_back({to, node(v), static_cast<std::int32_t>(star_.size()), column(v).cells,
-                           done_.others.size()});
+    done_.steps.push_back({to, v, static_cast<std::int32_t>(star_.size())});
   }
   /// By the nth cell of the step of v.
   void cover(const Spoke& spoke, VertexIndex v, std::int32_t nth) {
@@ -325,8 +323,8 @@ Worst Climber::worst_of_rise(VertexIndex v, double to, double least_share) const
 void Climber::rise(VertexIndex v, double to) {
   FrontColumn& own = column(v);
   add_step(v, to);
-  for (const Spoke& spoke : star_) done_.others.push_back(node(spoke.vertex));
-  done_.others.push_back(node(star_.back().next));
+  for (const Spoke& spoke : star_) done_.others.push_back(spoke.vertex);
+  done_.others.push_back(star_.back().next);
   const Point3 up{own.at[0], own.at[1], to};
   for (std::size_t i = 0; i < star_.size(); ++i) {
     const Spoke& spoke = star_[i];
@@ -334,7 +332,6 @@ void Climber::rise(VertexIndex v, double to) {
     triangle(spoke).centre = centre_of({own.at, at(spoke.vertex), at(spoke.next), up});
   }
   own.cells += done_.steps.back().cells();
-  ++own.nth;
   own.at = up;
 }
 
@@ -430,7 +427,7 @@ bool Climber::end(VertexIndex v, double least_share, double least_angle) {
     for (std::size_t c = 0; c < 3; ++c) {
       const VertexIndex corner = star_[caps[i].ring[c]].vertex;
       cap.corners[c] = corner;
-      done_.others.push_back(node(corner));
+      done_.others.push_back(corner);
       // Younger ones may be there already: others, as far away, have gone before their turn.
       auto& around = front_.around[corner];
       auto place = around.end();
@@ -512,16 +509,16 @@ std::size_t useful_tiles(const ColumnMesh& mesh) {
   return static_cast<std::size_t>(std::max(across, 1.0));
 }
 
-std::vector<FrontSteps> climb_to_top(const ColumnMesh& mesh, double top,
-                                     std::span<const double> shares, std::size_t tiles) {
+std::vector<std::vector<FrontSteps>> climb_to_top(const ColumnMesh& mesh, double top,
+                                                  std::span<const double> shares,
+                                                  std::size_t tiles) {
   Front front(mesh, top, shares);
   parallel_chunks(front.columns.size(), 4096, [&](std::size_t begin, std::size_t end) {
     FrontSteps none;
     Climber climber(front, none);
     for (const VertexIndex v : indices<VertexIndex>(begin, end)) climber.set_due(v);
   });
-  std::vector<FrontSteps> all;
-  std::int32_t phase = 0;
+  std::vector<std::vector<FrontSteps>> phases;
   const auto climb = [&](std::size_t count, const auto& tile_at) {
     std::vector<std::vector<VertexIndex>> columns(count);
     for (const VertexIndex v : mesh.ground.vertices.indices()) {
@@ -529,11 +526,12 @@ std::vector<FrontSteps> climb_to_top(const ColumnMesh& mesh, double top,
       front.columns[v].tile = static_cast<std::int32_t>(tile);
       if (front.columns[v].due < kInfinity) columns[tile].push_back(v);
     }
-    const std::size_t begin = all.size();
-    all.resize(begin + count);
-    ++phase;
+    std::vector<FrontSteps>& steps = phases.emplace_back(count);
+    const auto phase = static_cast<std::int32_t>(phases.size());
     parallel_in_order(count, [&](std::size_t i) {
-      Climber(front, all[begin + i]).climb(columns[i], static_cast<std::int32_t>(i), phase);
+      Climber(front, steps[i]).climb(columns[i], static_cast<std::int32_t>(i), phase);
+      steps[i].steps.shrink_to_fit();
+      steps[i].others.shrink_to_fit();
     });
   };
   if (tiles > 1) {
@@ -544,7 +542,7 @@ std::vector<FrontSteps> climb_to_top(const ColumnMesh& mesh, double top,
     }
   }
   climb(1, [](const Point3&) { return std::size_t{0}; });
-  return all;
+  return phases;
 }
 
 }  // namespace tetropolis

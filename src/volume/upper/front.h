@@ -18,24 +18,19 @@
 
 namespace tetropolis {
 
-/// A node by its column and its place there: 0 is on the lid.
-struct FrontNode {
-  VertexIndex vertex;
-  std::int32_t nth;
-};
-
 /// What a column does: it rises, or ends and leaves its hole to cells under new triangles. Its
-/// cells have the column's node in common and are told by their others.
+/// cells have the column's node in common and are told by the columns of their others, at the nodes
+/// where these are by then.
 struct FrontStep {
-  double to;                  ///< Elevation; not a number if it ends.
-  FrontNode node;             ///< Where it is.
-  std::int32_t around;        ///< How many triangles of the front there are.
-  std::int32_t cells_before;  ///< In its column.
-  std::size_t others;         ///< Where in FrontSteps::others its own begin.
+  double to;  ///< Elevation; not a number if it ends.
+  VertexIndex vertex;
+  std::int32_t around;  ///< How many triangles of the front there are.
 
   bool is_end() const { return std::isnan(to); }
   /// How many cells it makes.
   std::int32_t cells() const { return is_end() ? around - 2 : around; }
+  /// In FrontSteps::others.
+  std::int32_t others() const { return is_end() ? 3 * cells() : around + 1; }
 };
 
 /// A cell on the stack over a triangle.
@@ -45,21 +40,23 @@ struct CoveredTriangle {
   std::int32_t nth;    ///< after so many others.
 };
 
-/// Each column's steps are in order.
+/// Those of a tile, as they are taken.
 struct FrontSteps {
   std::vector<FrontStep> steps;
-  /// Of a step that rises: the around + 1 nodes around it, counter-clockwise, of which the last is
-  /// the first again unless it is at the rim. Of one that ends, three for each cell.
-  std::vector<FrontNode> others;
+  /// Step by step. Of one that rises: the around + 1 columns around it, counter-clockwise, of which
+  /// the last is the first again unless it is at the rim. Of one that ends, three for each cell.
+  std::vector<VertexIndex> others;
   std::vector<CoveredTriangle> covered;
   /// Vertices at which cells came below the floor, and those beside them.
   std::vector<VertexIndex> poor;
 };
 
 /// `shares`: per vertex, of the spacing that segments are to have. See grow_upper(). `tiles`: along
-/// the longer side of the ground, >= 1; the steps are the same for any number.
-std::vector<FrontSteps> climb_to_top(const ColumnMesh& mesh, double top,
-                                     std::span<const double> shares, std::size_t tiles);
+/// the longer side of the ground, >= 1; each column's steps are the same for any number. Returns
+/// the steps by phase and tile; tiles of a phase have no column in common, in steps or others.
+std::vector<std::vector<FrontSteps>> climb_to_top(const ColumnMesh& mesh, double top,
+                                                  std::span<const double> shares,
+                                                  std::size_t tiles);
 
 /// How many are worth while.
 std::size_t useful_tiles(const ColumnMesh& mesh);

@@ -17,7 +17,7 @@ namespace tetropolis {
 ///
 /// Cells keep to kGoodAngles and to kMostNonOrthogonal wherever there is a way to; a column ends
 /// only where they do. What happens at a place depends on its surroundings only. Takes time N log
-/// N, and while it runs 25 bytes per cell besides the result; the same bits on every machine, for
+/// N, and while it runs 15 bytes per cell besides the result; the same bits on every machine, for
 /// any number of threads and of tiles that these are given (front.h; 0: as are useful).
 /// Precondition: `mesh` is valid and has no upper part; its columns end below `top` or at it.
 UpperMesh grow_upper(const ColumnMesh& mesh, double top, std::size_t tiles = 0);
