@@ -32,6 +32,7 @@
 #include "tetropolis/io/mesh/vtkhdf.h"
 #include "tetropolis/io/mesh/xdmf.h"
 #include "tetropolis/run/in_memory.h"
+#include "tetropolis/volume/building_zones.h"
 #include "tetropolis/volume/column/building_patches.h"
 #include "tetropolis/volume/column/explicit_mesh.h"
 
@@ -145,10 +146,11 @@ struct Saving {
   Placement placement;
   Compression compression = Compression::kNone;
   bool building_patches = false;
+  bool building_zones = false;
 };
 
 Saving saving_of(const CityMesh& mesh, const Config& config) {
-  Saving saving{mesh.placement, config.compression, config.building_patches};
+  Saving saving{mesh.placement, config.compression, config.building_patches, config.building_zones};
   if (config.coordinates == tetropolis::Coordinates::kAbsolute)
     saving.placement = {mesh.placement.origin, {0, 0, 0}};
   return saving;
@@ -181,6 +183,11 @@ bool save_volume(const Mesh& mesh, const std::filesystem::path& path, const Savi
                                       ? divide_by_building(boundary, mesh.made.city.buildings)
                                       : SurfaceMesh{};
   const SurfaceMesh& patches = saving.building_patches ? by_building : boundary;
+  const CellZones over_buildings =
+      saving.building_zones
+          ? zone_buildings(mesh.volume(), mesh.mesh().zones, mesh.made.city.buildings)
+          : CellZones{};
+  const CellZones& zones = saving.building_zones ? over_buildings : mesh.mesh().zones;
   if (format == "vtu")
     write_vtu(path, mesh.volume(), saving.placement, progress, saving.compression,
               mesh.made.city.buildings, mesh.mesh().zones);
@@ -188,19 +195,19 @@ bool save_volume(const Mesh& mesh, const std::filesystem::path& path, const Savi
     write_xdmf(path, boundary_beside(path), mesh.volume(), boundary, saving.placement, progress,
                saving.compression, mesh.mesh().zones);
   else if (format == "msh")
-    write_msh(path, mesh.volume(), patches, saving.placement, progress, mesh.mesh().zones);
+    write_msh(path, mesh.volume(), patches, saving.placement, progress, zones);
   else if (format == "msh2")
-    write_msh2(path, mesh.volume(), patches, saving.placement, progress, mesh.mesh().zones);
+    write_msh2(path, mesh.volume(), patches, saving.placement, progress, zones);
   else if (format == "vtkhdf")
     write_vtkhdf(path, mesh.volume(), saving.placement, progress, mesh.mesh().zones);
   else if (format == "cgns")
-    write_cgns(path, mesh.volume(), patches, saving.placement, progress);
+    write_cgns(path, mesh.volume(), patches, saving.placement, progress, zones);
   else if (format == "fluent")
-    write_fluent(path, mesh.volume(), patches, saving.placement, progress);
+    write_fluent(path, mesh.volume(), patches, saving.placement, progress, zones);
   else if (format == "su2")
     write_su2(path, mesh.volume(), patches, saving.placement, progress);
   else if (format == "polymesh")
-    write_openfoam(path, mesh.volume(), patches, saving.placement, progress, mesh.mesh().zones);
+    write_openfoam(path, mesh.volume(), patches, saving.placement, progress, zones);
   else
     return false;
   return true;

@@ -28,7 +28,7 @@ const std::vector<Function>& functions() {
       {"build_city", kCity, {"Input", "City model", "Run"}},
       {"read_city", kMesh, {}, {"bounds", "terrain_only", "ground_level", "min_building_distance"}},
       {"build_mesh", kMesh, {"Mesh", "Run"}},
-      {"save", kMesh, {}, {"building_patches", "coordinates", "compression"}},
+      {"save", kMesh, {}, {"building_patches", "building_zones", "coordinates", "compression"}},
       {"synth", kSynth, {"Synthetic city", "Run"}},
   };
   return all;

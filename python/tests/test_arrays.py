@@ -143,4 +143,11 @@ def test_canopies(shared_city, tmp_path):
         middles = mesh.points[mesh.wedges].mean(axis=1)
         assert (mesh.zone[len(mesh.cells):] == 1).all() and len(middles) > 0
         assert not mesh.zone[:len(mesh.cells)][mesh.region >= 0].any()
-    assert not tp.build_mesh(shared_city).zone.any()
+    bare = tp.build_mesh(shared_city)
+    assert not bare.zone.any()
+    # Zones over buildings have the cells of `region`.
+    bare.save(tmp_path / "constant/polyMesh", building_zones=True)
+    over = dict(re.findall(r"over_(\w+)\s*\{[^}]*List<label>\s*\d+\s*\(([^)]*)\)",
+                           (tmp_path / "constant/polyMesh/cellZones").read_text()))
+    for b, building in enumerate(shared_city.ids):
+        assert list(map(int, over[building].split())) == np.flatnonzero(bare.region == b).tolist()

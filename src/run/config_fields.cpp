@@ -248,6 +248,12 @@ std::vector<ConfigField> make_fields() {
        .commands = kMeshing,
        .help = "Formats with named patches (openfoam, msh, msh2, cgns, fluent, su2): a roof and a "
                "wall patch for each building, such as roof_b7"},
+      {.name = "building_zones",
+       .group = "Output",
+       .member = &C::building_zones,
+       .commands = kMeshing,
+       .help = "Formats with named zones of cells (openfoam, msh, msh2, cgns, fluent): the cells "
+               "above each building are a zone, such as over_b7"},
       {.name = "coordinates",
        .group = "Output",
        .member = choice<&C::coordinates>(),

@@ -23,7 +23,7 @@ inline constexpr const char* kCity = "city.city.json";
 inline constexpr const char* kTerrain = "dtm.tif";
 inline constexpr const char* kLayers = "buildings.gpkg";
 inline constexpr const char* kPage = "index.html";
-inline constexpr const char* kCellZones = "constant/polyMesh/cellZones";  ///< With canopies.
+inline constexpr const char* kCellZones = "constant/polyMesh/cellZones";  ///< With zones.
 inline constexpr const char* kManifest = "manifest.json";
 inline constexpr const char* kTruth = "truth.city.json";
 

@@ -20,6 +20,7 @@
 #include "tetropolis/io/mesh/vtk.h"
 #include "tetropolis/io/mesh/vtkhdf.h"
 #include "tetropolis/io/mesh/xdmf.h"
+#include "tetropolis/volume/building_zones.h"
 #include "tetropolis/volume/column/building_patches.h"
 
 #include "result_files.h"
@@ -45,6 +46,10 @@ void write_volume(const Config& config, const CityMesh& city_mesh,
   const SurfaceMesh by_building =
       config.building_patches ? divide_by_building(boundary, buildings) : SurfaceMesh{};
   const SurfaceMesh& patches = config.building_patches ? by_building : boundary;
+  // And for those that have names of zones alone.
+  const CellZones over_buildings =
+      config.building_zones ? zone_buildings(mesh, zones, buildings) : CellZones{};
+  const CellZones& named = config.building_zones ? over_buildings : zones;
   const std::array<std::pair<std::string_view, Write>, 9> writers{{
       {"vtu",
        [&](const Progress& p) {
@@ -59,11 +64,11 @@ void write_volume(const Config& config, const CityMesh& city_mesh,
        }},
       {"msh",
        [&](const Progress& p) {
-         write_msh(out.result("volume.msh"), mesh, patches, placement, p, zones);
+         write_msh(out.result("volume.msh"), mesh, patches, placement, p, named);
        }},
       {"msh2",
        [&](const Progress& p) {
-         write_msh2(out.result("volume_msh2.msh"), mesh, patches, placement, p, zones);
+         write_msh2(out.result("volume_msh2.msh"), mesh, patches, placement, p, named);
        }},
       {"vtkhdf",
        [&](const Progress& p) {
@@ -71,11 +76,11 @@ void write_volume(const Config& config, const CityMesh& city_mesh,
        }},
       {"cgns",
        [&](const Progress& p) {
-         write_cgns(out.result("volume.cgns"), mesh, patches, placement, p);
+         write_cgns(out.result("volume.cgns"), mesh, patches, placement, p, named);
        }},
       {"fluent",
        [&](const Progress& p) {
-         write_fluent(out.result("volume_fluent.msh"), mesh, patches, placement, p);
+         write_fluent(out.result("volume_fluent.msh"), mesh, patches, placement, p, named);
        }},
       {"su2",
        [&](const Progress& p) {
@@ -84,8 +89,8 @@ void write_volume(const Config& config, const CityMesh& city_mesh,
       {"openfoam",
        [&](const Progress& p) {
          std::vector<std::string> files = results::of_format("openfoam");
-         if (zones.empty()) std::erase(files, results::kCellZones);
-         write_openfoam(out.result("constant/polyMesh", files), mesh, patches, placement, p, zones);
+         if (named.empty()) std::erase(files, results::kCellZones);
+         write_openfoam(out.result("constant/polyMesh", files), mesh, patches, placement, p, named);
        }},
   }};
   std::vector<const Write*> wanted;

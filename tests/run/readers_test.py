@@ -5,7 +5,7 @@
     readers_test.py PROGRAM cgns       cgnscheck of the CGNS library, and HDF5
     readers_test.py PROGRAM foam       OpenFOAM's fluent3DMeshToFoam, gmshToFoam and checkMesh on Fluent's format and MSH 2.2
     readers_test.py PROGRAM prisms     meshes with layers of prisms: VTK HDF, MSH, SU2, CGNS, Fluent by the same programs
-    readers_test.py PROGRAM canopies   cells of trees, in VTU, VTK HDF, XDMF, MSH of both versions and polyMesh
+    readers_test.py PROGRAM canopies   cells of trees and over buildings, in VTU, VTK HDF, XDMF, MSH of both versions, polyMesh, CGNS and Fluent
     readers_test.py PROGRAM trimesh    STL, OBJ, PLY, GLB
     readers_test.py PROGRAM gltf       the glTF validator of Khronos, and three.js, on GLB
 
@@ -47,6 +47,7 @@ class Run:
         self.faces = self.report["surface_mesh"]["faces_by_patch"]
         self.land = sum(self.faces[name] for name in LAND)
         self.by_building = "--building-patches" in options
+        self.zones_over_buildings = "--building-zones" in options
         assert len(self.buildings) > 3
 
     def column(self, name):
@@ -328,6 +329,51 @@ def plant_trees(folder):
     return f"{folder / 'trees.geojson'}:h"
 
 
+def foam_zones(folder):
+    """Cells of each zone."""
+    return {name: list(map(int, labels.split())) for name, labels in re.findall(
+        r"(\w+)\s*\{[^}]*List<label>\s*\d+\s*\(([^)]*)\)", (folder / "cellZones").read_text())}
+
+
+def cells_of_foam(folder):
+    """Corners of cells of a mesh in text, sorted."""
+    def body(name):
+        return re.search(r"\n\d+\s*\n\((.*)\n\)", (folder / name).read_text(), re.S)[1]
+
+    faces = [list(map(int, row.split())) for row in re.findall(r"\d+\(([\d ]+)\)", body("faces"))]
+    cells = {}
+    for name in ("owner", "neighbour"):
+        for face, cell in zip(faces, map(int, body(name).split())):
+            cells.setdefault(cell, set()).update(face)
+    return {cell: tuple(sorted(corners)) for cell, corners in cells.items()}
+
+
+def check_cgns_zones(run, names, counts, nodes):
+    """Sections and regions of cells, by HDF5 and the library's own check."""
+    import h5py
+
+    said = subprocess.run(["cgnscheck", run.out / "volume.cgns"], capture_output=True, text=True)
+    assert said.returncode == 0 and "checking complete" in said.stdout and "ERROR" not in said.stdout, said.stdout
+    base = h5py.File(run.out / "volume.cgns")["Base"]
+    elements, found = {}, {}
+    for name, node in base["Zone1"].items():
+        label = node.attrs["label"].decode() if name != " data" else ""
+        if label == "Elements_t" and node[" data"][0] in (10, 14):
+            size = 4 if node[" data"][0] == 10 else 6
+            rows = node["ElementConnectivity/ data"][:].reshape(-1, size) - 1
+            first, last = node["ElementRange/ data"][:]
+            assert last - first + 1 == len(rows), name
+            elements.update(zip(range(first, last + 1), rows.tolist()))
+        if label == "ZoneSubRegion_t":
+            family = bytes(node["FamilyName/ data"][:]).decode()
+            assert base[family].attrs["label"].decode() == "Family_t"
+            found[family] = node["PointRange/ data"][:].ravel()
+    assert len(elements) == run.cells and set(found) == set(counts) - {"air"}
+    for name, (first, last) in found.items():
+        assert last - first + 1 == counts[name], name
+        assert all(nodes[tuple(sorted(elements[e]))] == names.index(name) for e in range(first, last + 1)), name
+
+
 def check_canopies(run):
     import meshio
     import numpy as np
@@ -350,13 +396,20 @@ def check_canopies(run):
     assert np.array_equal(np.concatenate(meshio.read(run.out / "volume.vtu").cell_data["zone"]), zone)
     if (run.out / "volume.xdmf").exists():
         assert np.array_equal(np.concatenate(meshio.read(run.out / "volume.xdmf").cell_data["zone"]), zone)
-    # A cell of MSH is the one with the same nodes (meshio turns wedges); air is 9, canopies from 10 on.
+    # Formats with names have zones over buildings, too, after those of trees; cells are the same by their nodes.
+    names = ["air", "canopy_1", "canopy_2", "canopy_3"]
     mesh = meshio.read(run.out / "volume.vtu")
-    nodes = {tuple(sorted(corners)): number for block, numbers in zip(mesh.cells, mesh.cell_data["zone"])
-             for corners, number in zip(block.data.tolist(), numbers)}
+    over = np.concatenate(mesh.cell_data["region"]) if run.zones_over_buildings else np.full(run.cells, -1)
+    number = np.where((zone == 0) & (over >= 0), len(names) + over, zone)
+    names += ["over_" + building for building in run.column("tetropolis_id")] if run.zones_over_buildings else []
+    counts = dict(zip(names, np.bincount(number, minlength=len(names)).tolist()))
+    assert counts.pop("canopy_3") == 0 and all(counts.values()), counts
+    vtu = [tuple(sorted(row)) for block in mesh.cells for row in block.data.tolist()]
+    nodes = dict(zip(vtu, number))
     for name in ("volume.msh", "volume_msh2.msh"):
         mesh = meshio.read(run.out / name)
-        assert {n: v for n, (v, d) in mesh.field_data.items() if d == 3} == {"air": 9, "canopy_1": 10, "canopy_2": 11}
+        assert {n: v for n, (v, d) in mesh.field_data.items() if d == 3} == {
+            n: 9 + i for i, n in enumerate(names) if n in counts}
         found = 0
         for block, tags in zip(mesh.cells, mesh.cell_data["gmsh:physical"]):
             if block.type in ("tetra", "wedge"):
@@ -364,9 +417,20 @@ def check_canopies(run):
                 found += len(tags)
         assert found == run.cells, name
     if shutil.which("checkMesh"):
-        said, _ = foam_mesh(run, "gmshToFoam", "volume_msh2.msh")
-        for i in (1, 2):
-            assert re.search(rf"canopy_{i}\s+{counts[i - 1]}\s", said), said
+        for convert, name in (("gmshToFoam", "volume_msh2.msh"), ("fluent3DMeshToFoam", "volume_fluent.msh")):
+            said, _ = foam_mesh(run, convert, name)
+            for n, count in counts.items():
+                assert re.search(rf"\s{n}\s+{count}\s", said), (convert, n, count, said)
+        cells = foam_zones(run.out / "fluent3DMeshToFoam" / "constant/polyMesh")
+        ours = foam_zones(run.out / "constant/polyMesh")
+        # Corners of Fluent's cells, by the faces that OpenFOAM made of them.
+        corners = cells_of_foam(run.out / "fluent3DMeshToFoam" / "constant/polyMesh")
+        for n in counts:
+            assert len(cells[n]) == counts[n] and all(nodes[corners[c]] == names.index(n) for c in cells[n]), n
+            assert n == "air" or ours[n] == np.flatnonzero(number == names.index(n)).tolist(), n
+        assert set(ours) - set(counts) == {"canopy_3"}, set(ours)
+    if shutil.which("cgnscheck"):
+        check_cgns_zones(run, names, counts, nodes)
     subprocess.run([run.program, "check", run.out], check=True, stdout=subprocess.DEVNULL)
 
 
@@ -385,9 +449,10 @@ def main():
             variants = [(("--boundary-layers", "4"), FORMATS.replace("xdmf,", ""))]
         if what == "canopies":
             trees = plant_trees(pathlib.Path(scratch))
-            formats = "vtu,msh,msh2,vtkhdf,openfoam"
+            formats = "vtu,msh,msh2,vtkhdf,openfoam,cgns,fluent"
             variants = [(("--canopies", trees), "xdmf," + formats),
-                        (("--canopies", trees, "--boundary-layers", "4"), formats)]
+                        (("--canopies", trees, "--boundary-layers", "4"), formats),
+                        (("--canopies", trees, "--boundary-layers", "4", "--building-zones"), formats)]
         for options, formats in variants:
             try:
                 check(Run(program, pathlib.Path(scratch), *options, formats=formats))

@@ -281,6 +281,16 @@ const std::vector<Setting>& table() {
                    changed.report.surface_mesh->faces_by_patch);
        },
        [](Village&, Config& config) { config.formats = {"openfoam"}; }},
+      {"building_zones",
+       {"true"},
+       run_build,
+       [](R plain, R changed) {
+         EXPECT_FALSE(fs::exists(plain.out / "constant/polyMesh/cellZones"));
+         const std::string zones = testing::bytes_of(changed.out / "constant/polyMesh/cellZones");
+         for (const Building& building : read_city(changed.out / "city.city.json").buildings)
+           EXPECT_NE(zones.find("\nover_" + building.id + "\n"), std::string::npos);
+       },
+       [](Village&, Config& config) { config.formats = {"openfoam"}; }},
       {"coordinates",
        {"absolute"},
        run_build,

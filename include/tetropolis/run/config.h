@@ -53,6 +53,7 @@ struct Config {
   bool overwrite = false;
   std::vector<std::string> formats{"vtu"};
   bool building_patches = false;
+  bool building_zones = false;
   Coordinates coordinates = Coordinates::kLocal;
   Compression compression = Compression::kNone;
   bool no_html = false;

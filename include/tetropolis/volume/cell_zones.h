@@ -26,10 +26,10 @@ struct Canopy {
 };
 
 struct CellZone {
-  std::string name;  ///< Letters, digits and underscores: "canopy_1".
+  std::string name;  ///< As patches have them: "canopy_1".
   double height = 0;
   double base = 0;
-  double leaf_area_density = 0;  ///< [1/m]
+  double leaf_area_density = 0;  ///< [1/m]; 0 where there are no leaves.
   std::int64_t cells = 0;        ///< May be none.
 };
 

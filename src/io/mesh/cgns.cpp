@@ -20,6 +20,7 @@
 #include "io/file/hdf5_file.h"
 #include "io/file/hdf5_handle.h"
 #include "io/file/hdf5_output.h"
+#include "zone_blocks.h"
 
 namespace tetropolis {
 
@@ -161,7 +162,19 @@ void make_condition(const Tree& tree, const std::string& name, std::size_t first
   tree.text(condition, "FamilyName", "FamilyName_t", name);
 }
 
-/// Elements of one type: the cells, and then the faces patch by patch.
+/// A zone: its cells, which are neighbours in the numbering of elements, and its family.
+void make_subregion(const Tree& tree, const std::string& name, const std::string& family,
+                    std::size_t first, std::size_t last) {
+  const std::string region = fmt::format("{}/{}", kZone, name);
+  constexpr std::int32_t kOfCells = 3;  // dimensions
+  tree.numbers(kZone, name, "ZoneSubRegion_t", {kOfCells});
+  tree.numbers(region, "PointRange", "IndexRange_t",
+               {static_cast<std::int32_t>(first + 1), static_cast<std::int32_t>(last)}, 1);
+  tree.text(region, "GridLocation", "GridLocation_t", "CellCenter");
+  tree.text(region, "FamilyName", "FamilyName_t", family);
+}
+
+/// Elements of one type: the cells, zone by zone, and then the faces patch by patch.
 struct Section {
   std::string name;
   std::int32_t type = 0;
@@ -169,7 +182,9 @@ struct Section {
   std::size_t corners = 0;  ///< Of each.
 };
 
-std::vector<Section> sections_of(const CellCounts& cells, const SurfaceMesh& surface,
+/// `blocks`: zone_blocks(), with those of the cells in no zone counted.
+std::vector<Section> sections_of(const std::vector<ZoneBlock>& blocks, const CellZones& zones,
+                                 const SurfaceMesh& surface,
                                  const std::vector<PatchFaces>& patches) {
   std::vector<Section> sections;
   std::size_t first = 0;
@@ -178,8 +193,14 @@ std::vector<Section> sections_of(const CellCounts& cells, const SurfaceMesh& sur
     if (count > 0) sections.push_back({name, type, first, count, corners});
     first += count;
   };
-  add("air", kTetra, cells.tets, 4);
-  add("air_layers", kPenta, cells.prisms, 6);
+  add("air", kTetra, blocks[0].count, 4);
+  add("air_layers", kPenta, blocks[1].count, 6);
+  for (std::size_t z = 1; z < blocks.size() / 2; ++z) {
+    const std::string& name = zones.zones[z - 1].name;
+    const std::size_t tets = blocks[2 * z].count, prisms = blocks[2 * z + 1].count;
+    add(name, kTetra, tets, 4);
+    add(tets > 0 ? fmt::format("layers_{}", z) : name, kPenta, prisms, 6);
+  }
   for (const PatchFaces& range : patches) {
     const std::string& name = surface.patches.of(range.patch).name;
     add(name, kTriangle, range.triangles, 3);
@@ -190,6 +211,7 @@ std::vector<Section> sections_of(const CellCounts& cells, const SurfaceMesh& sur
 }
 
 void make_tree(const Hdf5File& file, const ColumnMesh& mesh, const CellCounts& cells,
+               const std::vector<ZoneBlock>& blocks, const CellZones& zones,
                const std::vector<Section>& sections, const SurfaceMesh& surface,
                const std::vector<PatchFaces>& patches, const Placement& placement) {
   const Tree tree(file);
@@ -204,6 +226,8 @@ void make_tree(const Hdf5File& file, const ColumnMesh& mesh, const CellCounts& c
     tree.text("/Base/" + info.name, "FamBC", "FamilyBC_t",
               info.is_solid() ? "BCWall" : "BCFarfield");
   }
+  for (const CellZone& zone : zones.zones)
+    if (zone.cells > 0) tree.node("/Base", zone.name, "Family_t", "MT");
   tree.numbers(
       "/Base", "Zone1", "Zone_t",
       {static_cast<std::int32_t>(mesh.node_count()), static_cast<std::int32_t>(cells.all()), 0}, 1);
@@ -214,6 +238,13 @@ void make_tree(const Hdf5File& file, const ColumnMesh& mesh, const CellCounts& c
     tree.node(coordinates, name, "DataArray_t", "R8");
   for (const Section& section : sections)
     make_section(tree, section.name, section.type, section.first, section.first + section.count);
+  std::size_t first = blocks[0].count + blocks[1].count;
+  for (std::size_t z = 1; z < blocks.size() / 2; ++z) {
+    const std::size_t last = first + blocks[2 * z].count + blocks[2 * z + 1].count;
+    if (last > first)
+      make_subregion(tree, fmt::format("zone_{}", z), zones.zones[z - 1].name, first, last);
+    first = last;
+  }
   tree.node(kZone, "ZoneBC", "ZoneBC_t", "MT");
   for (const PatchFaces& range : patches)
     make_condition(tree, surface.patches.of(range.patch).name, cells.all() + range.first,
@@ -240,7 +271,8 @@ void append_element(const Nodes& nodes, std::string& buffer) {
 }  // namespace
 
 void write_cgns(const std::filesystem::path& path, const ColumnMesh& mesh,
-                const SurfaceMesh& surface, const Placement& placement, const Progress& progress) {
+                const SurfaceMesh& surface, const Placement& placement, const Progress& progress,
+                const CellZones& zones) {
   require_boundary_of(mesh, surface);
   const std::vector<CellIndex> offsets = cell_offsets(mesh);
   const std::vector<PatchFaces> patches = faces_of_patches(surface);
@@ -251,10 +283,16 @@ void write_cgns(const std::filesystem::path& path, const ColumnMesh& mesh,
                 fmt::format("{}: {} cells are too many for 32-bit numbers; use a larger mesh size "
                             "or another format",
                             final_path(path).string(), cells.all()));
-  const std::vector<Section> sections = sections_of(cells, surface, patches);
+  std::vector<ZoneBlock> blocks = zone_blocks(
+      mesh, offsets, zones,
+      [](std::size_t, const auto& nodes, std::string& buffer) { append_element(nodes, buffer); });
+  std::array<std::size_t, 2> in_no_zone = {cells.tets, cells.prisms};
+  for (std::size_t b = 0; b < blocks.size(); ++b) in_no_zone[b % 2] -= blocks[b].count;
+  for (std::size_t b = 0; b < 2; ++b) blocks[b].count = in_no_zone[b];
+  const std::vector<Section> sections = sections_of(blocks, zones, surface, patches);
   const std::vector<Hdf5Dataset> datasets = streamed(mesh, sections);
   Hdf5Output file(path, datasets, [&](const Hdf5File& made) {
-    make_tree(made, mesh, cells, sections, surface, patches, placement);
+    make_tree(made, mesh, cells, blocks, zones, sections, surface, patches, placement);
   });
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double at = static_cast<double>(axis);
@@ -271,15 +309,26 @@ void write_cgns(const std::filesystem::path& path, const ColumnMesh& mesh,
     file.write_next(
         last - first,
         [&](std::size_t begin, std::size_t end, std::string& buffer) {
+          std::size_t next = first_cell_of(offsets, first + begin);
           for (std::size_t row = first + begin; row < first + end; ++row)
-            for_each_cell_of(mesh, offsets, row,
-                             [&](const auto& nodes) { append_element(nodes, buffer); });
+            for_each_cell_of(mesh, offsets, row, [&](const auto& nodes) {
+              const std::size_t cell = next++;
+              if (zones.empty() || zones.of_cell[cell] == 0) append_element(nodes, buffer);
+            });
         },
         part);
   };
   const std::size_t rows = offsets.size() - 1;
-  write_cells(0, rows, portion(progress, 0.3, 0.8));
-  if (cells.prisms > 0) write_cells(rows, cell_rows(mesh, offsets), portion(progress, 0.8, 0.9));
+  if (blocks[0].count > 0) write_cells(0, rows, portion(progress, 0.3, 0.8));
+  if (blocks[1].count > 0) write_cells(rows, cell_rows(mesh, offsets), portion(progress, 0.8, 0.9));
+  for (std::size_t b = 2; b < blocks.size(); ++b) {
+    const std::string& elements = blocks[b].elements;
+    if (!elements.empty())
+      file.write_next(elements.size(),
+                      [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                        buffer.append(elements, begin, end - begin);
+                      });
+  }
   for (const PatchFaces& range : patches)
     for (const bool quads : {false, true}) {
       const std::size_t first = quads ? range.triangles : 0;

@@ -14,6 +14,7 @@
 #include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
 #include "physical_names.h"
+#include "zone_blocks.h"
 
 namespace tetropolis {
 
@@ -159,30 +160,6 @@ void write_cells(AtomicFile& file, const ColumnMesh& mesh, const std::vector<Cel
       progress);
 }
 
-/// The cells in zones, which are few: blocks by zone and type.
-struct ZoneBlock {
-  std::size_t count = 0;
-  std::string elements;
-};
-
-/// Per zone a block of tets and one of prisms, after two that stay empty; elements are numbered
-/// after the faces.
-std::vector<ZoneBlock> zone_blocks(const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
-                                   const CellZones& zones, std::size_t faces) {
-  std::vector<ZoneBlock> blocks(2 * (zones.zones.size() + 1));
-  if (zones.empty()) return blocks;
-  for (std::size_t row = 0, cell = 0; row < cell_rows(mesh, cells); ++row)
-    for_each_cell_of(mesh, cells, row, [&](const auto& nodes) {
-      const std::int32_t zone = zones.of_cell[cell++];
-      if (zone == 0) return;
-      ZoneBlock& block = blocks[2 * static_cast<std::size_t>(zone) + (nodes.size() == 4 ? 0 : 1)];
-      ++block.count;
-      append_size(block.elements, faces + cell);
-      for (const NodeIndex node : nodes) append_raw(block.elements, node + 1);
-    });
-  return blocks;
-}
-
 }  // namespace
 
 void write_msh(const std::filesystem::path& path, const ColumnMesh& mesh,
@@ -197,7 +174,11 @@ void write_msh(const std::filesystem::path& path, const ColumnMesh& mesh,
   AtomicFile file(path);
   file.write(head(patches, surface, placement, zones));
   write_nodes(file, mesh, placement, portion(progress, 0, 0.2));
-  const std::vector<ZoneBlock> in_zones = zone_blocks(mesh, cells, zones, faces);
+  const std::vector<ZoneBlock> in_zones = zone_blocks(
+      mesh, cells, zones, [&](std::size_t cell, const auto& nodes, std::string& buffer) {
+        append_size(buffer, faces + cell + 1);
+        for (const NodeIndex node : nodes) append_raw(buffer, node + 1);
+      });
   std::array<std::size_t, 2> in_air = {counts.tets, counts.prisms};
   std::size_t blocks = 0;
   for (std::size_t b = 0; b < in_zones.size(); ++b) {

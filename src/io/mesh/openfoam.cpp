@@ -177,11 +177,12 @@ void write_zones(AtomicFile& file, const CellZones& zones) {
   file.write(fmt::format("{}\n(\n", zones.zones.size()));
   for (std::size_t i = 0; i < zones.zones.size(); ++i) {
     const CellZone& zone = zones.zones[i];
-    std::string text = fmt::format(
-        "{}\n{{\n    type            cellZone;\n    height          {};\n"
-        "    base            {};\n    leafAreaDensity {};\n    cellLabels      "
-        "List<label>\n{}\n(\n",
-        zone.name, zone.height, zone.base, zone.leaf_area_density, cells[i].size());
+    std::string text = fmt::format("{}\n{{\n    type            cellZone;\n", zone.name);
+    if (zone.leaf_area_density > 0)
+      text +=
+          fmt::format("    height          {};\n    base            {};\n    leafAreaDensity {};\n",
+                      zone.height, zone.base, zone.leaf_area_density);
+    text += fmt::format("    cellLabels      List<label>\n{}\n(\n", cells[i].size());
     for (const std::size_t c : cells[i]) text += fmt::format("{}\n", c);
     file.write(text + ")\n;\n}\n");
   }

@@ -5,42 +5,18 @@
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
+#include "building_names.h"
 
 namespace tetropolis {
 
 namespace {
 
-constexpr std::size_t kLongestName = 32;  // in CGNS
 constexpr std::array<std::pair<PatchKind, const char*>, 2> kKinds = {
     {{PatchKind::kRoof, "roof_"}, {PatchKind::kWall, "wall_"}}};
-constexpr std::size_t kPrefix = 5;
-
-bool is_plain(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
-         c == '-';
-}
-
-std::vector<std::string> plain_names(std::span<const Building> buildings) {
-  std::set<std::string> taken;
-  std::vector<std::string> names;
-  for (std::size_t b = 0; b < buildings.size(); ++b) {
-    std::string name = buildings[b].id;
-    std::replace_if(
-        name.begin(), name.end(), [](char c) { return !is_plain(c); }, '_');
-    if (name.empty() || kPrefix + name.size() > kLongestName || !taken.insert(name).second) {
-      const std::string number = fmt::format(".{}", b);  // no other name has a point
-      name = name.substr(0, kLongestName - kPrefix - number.size()) + number;
-    }
-    names.push_back(std::move(name));
-  }
-  return names;
-}
 
 }  // namespace
 
