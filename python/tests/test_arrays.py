@@ -1,6 +1,7 @@
 """Arrays: what is shared, what is owned, and that they say the same as the library's report."""
 import gc
 import json
+import re
 import weakref
 
 import numpy as np
