@@ -1,6 +1,5 @@
 #include "tetropolis/volume/building_zones.h"
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
