@@ -1,5 +1,8 @@
 #include "tetropolis/case/fenicsx_case.h"
 
+#include <fstream>
+#include <iterator>
+#include <string>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -130,6 +133,17 @@ with io.XDMFFile(mesh.comm, str(HERE / "smoke.xdmf"), "w") as file:
     file.write_function(smoke)
 )TEXT";
 
+/// DOLFINx reads one kind of cells from XDMF, and tags of facets where facets are of one kind.
+void require_tets(const fs::path& path) {
+  std::ifstream file(path);
+  const std::string head(std::istreambuf_iterator<char>(file), {});
+  if (head.find("TopologyType=\"Tetrahedron\"") == std::string::npos)
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: has prisms, whose faces DOLFINx reads no patches for; mesh the "
+                            "city again without boundary_layers, with cells = tets",
+                            path.string()));
+}
+
 }  // namespace
 
 void write_fenicsx_case(const fs::path& folder, const Wind& wind, bool overwrite) {
@@ -140,6 +154,7 @@ void write_fenicsx_case(const fs::path& folder, const Wind& wind, bool overwrite
       throw Error(ErrorKind::kInput,
                   fmt::format("{}: is not there; mesh the city again with --formats xdmf",
                               (folder / name).string()));
+  require_tets(folder / "volume.xdmf");
   const auto to = direction(wind);
   write_case_files(folder,
                    {{"smoke.py",

@@ -549,9 +549,7 @@ std::vector<ConfigField> make_fields() {
        .group = "Mesh",
        .member = &C::boundary_layers,
        .commands = kMeshing,
-       .help =
-           "Layers of prisms over open ground, below the tets; thinner at low walls. All formats "
-           "but xdmf have prisms",
+       .help = "Layers of prisms over open ground, below the tets; thinner at low walls",
        .min = 0,
        .max = 100},
       {.name = "first_layer",

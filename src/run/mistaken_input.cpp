@@ -136,16 +136,6 @@ void refuse_mistaken_files(const Config& config) {
                             config.out));
 }
 
-void refuse_formats(const Config& config) {
-  if ((config.boundary_layers == 0 && config.cells == Cells::kTets) ||
-      std::find(config.formats.begin(), config.formats.end(), "xdmf") == config.formats.end())
-    return;
-  throw Error(
-      ErrorKind::kUsage,
-      "formats: xdmf cannot hold prisms (boundary_layers, cells); use vtu, vtkhdf or another "
-      "one");
-}
-
 void refuse_degree_bounds(const Config& config, const std::string& crs, const Bounds2& data) {
   if (config.bounds.size() != 4 || crs.empty() || data.empty() || is_geographic(crs)) return;
   const Bounds2 given{config.bounds[0], config.bounds[1], config.bounds[2], config.bounds[3]};

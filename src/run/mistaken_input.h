@@ -14,9 +14,6 @@ namespace tetropolis {
 /// those who read it.
 void refuse_mistaken_files(const Config& config);
 
-/// Throws Error(kUsage) naming the formats, if any, that cannot hold the prisms asked for.
-void refuse_formats(const Config& config);
-
 /// Throws Error(kUsage) if the bounds are longitudes and latitudes of a place in `data`, in the
 /// projected system `crs` and in its coordinates; the message has the bounds to give.
 void refuse_degree_bounds(const Config& config, const std::string& crs, const Bounds2& data);

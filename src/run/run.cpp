@@ -34,7 +34,6 @@ namespace {
 void require_input(const Config& config, Command command) {
   require_in_range(config, command);
   refuse_mistaken_files(config);
-  if (command == kBuild) refuse_formats(config);
   require_given({{!config.footprints.empty() || config.terrain_only, "footprints",
                   "a vector file with building footprints, or add terrain_only"},
                  {!config.footprints.empty() || !config.points.empty() || !config.dtm.empty() ||
@@ -167,7 +166,6 @@ Report run_mesh(const Config& given, const RunHooks& hooks) {
   Config config = given;
   require_in_range(config, kMesh);
   refuse_mistaken_files(config);
-  refuse_formats(config);
   require_given({{!config.city.empty(), "city", "a city model (.city.json)"},
                  {!config.out.empty(), "out", "a folder for the results"}});
   require_room_for_mesh(config);

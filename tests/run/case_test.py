@@ -465,6 +465,9 @@ def check_fenicsx(program, folder):
         assert math.isclose(entering, leaving, rel_tol=0.02), said
         assert 0.95 < carried < 1.05, said  # what the chimney gives
         assert (case / "smoke.xdmf").exists() and (case / "smoke.h5").exists()
+    case = city(program, folder / "layers", "xdmf", "--boundary-layers", 2)
+    done = subprocess.run([str(program), "case", "fenicsx", str(case)], capture_output=True, text=True)
+    assert done.returncode == 3 and "volume.xdmf: has prisms" in done.stderr and not (case / "smoke.py").exists(), done
     return 0
 
 

@@ -185,6 +185,59 @@ def foam_mesh(run, convert, mesh):
     return said.stdout, {name: int(count) for name, count in patches if int(count) > 0}
 
 
+def check_prisms_of_xdmf(run, vtu, faces):
+    """By meshio, by VTK, and number by number through HDF5."""
+    import h5py
+    import meshio
+    import numpy as np
+    import pyvista as pv
+    from vtkmodules.vtkIOXdmf2 import vtkXdmfReader
+
+    # Volume: cells in their order, regions; what they enclose, by VTK.
+    read = meshio.read(run.out / "volume.xdmf")
+    assert np.array_equal(read.points, vtu.points)
+    for kind, of_vtk in (("tetra", pv.CellType.TETRA), ("wedge", pv.CellType.WEDGE)):
+        expected = vtu.cells_dict.get(of_vtk, np.empty((0, 4)))
+        assert np.array_equal(read.cells_dict.get(kind, np.empty((0, 4))), expected), kind
+    assert np.array_equal(np.concatenate(read.cell_data["region"]), vtu["region"])
+    boundary = pv.read(run.out / "boundary.vtp")
+    meshes = {}
+    for name in ("volume", "boundary"):
+        reader = vtkXdmfReader()
+        reader.SetFileName(str(run.out / f"{name}.xdmf"))
+        reader.Update()
+        meshes[name] = pv.wrap(reader.GetOutputDataObject(0))
+    volume = meshes["volume"]
+    assert np.array_equal(volume.celltypes, vtu.celltypes) and np.array_equal(volume.cells, vtu.cells)
+    tets = [read.cells_dict[kind][:, corners] for kind, corners in (
+        ("tetra", [0, 1, 2, 3]), ("wedge", [0, 1, 2, 3]), ("wedge", [1, 2, 3, 4]), ("wedge", [2, 3, 4, 5]))
+        if kind in read.cells_dict]
+    a, b, c, d = (read.points[np.vstack(tets)[:, i]] for i in range(4))
+    sizes = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
+    assert np.abs(sizes).min() > 0 and near(np.abs(sizes).sum(), run.volume, 1e-9), (sizes, run.volume)
+    # Boundary: its faces are those of VTP, with their tags, and enclose the same.
+    for array in ("patch", "building"):
+        assert np.array_equal(meshes["boundary"][array], boundary[array]), array
+    read = meshio.read(run.out / "boundary.xdmf")
+    numbers = {name: number for name, (number, dimension) in read.field_data.items() if dimension == 2}
+    patch = np.concatenate(read.cell_data["patch"])
+    assert {name: (patch == number).sum() for name, number in numbers.items() if (patch == number).any()} == faces
+    triangles = np.vstack([half for block in read.cells for half in (
+        [block.data] if block.type == "triangle" else [block.data[:, [0, 1, 2]], block.data[:, [0, 2, 3]]])])
+    corner = read.points[triangles]
+    assert near(np.einsum("ij,ij->", corner[:, 0], np.cross(corner[:, 1], corner[:, 2])) / 6, run.volume)
+    data = h5py.File(run.out / "boundary.h5")["MeshTags/boundary"]
+    flat, at, face = data["topology"][:], 0, 0
+    points = h5py.File(run.out / "volume.h5")["Mesh/mesh/geometry"][:]
+    vtp = boundary.faces
+    while face < len(data["patch"]):
+        size = {4: 3, 5: 4}[flat[at]]
+        assert size == vtp[at] and np.array_equal(points[flat[at + 1:at + 1 + size]],
+                                                  boundary.points[vtp[at + 1:at + 1 + size]]), face
+        at, face = at + 1 + size, face + 1
+    assert at == len(flat) == len(vtp)
+
+
 def check_prisms(run):
     import h5py
     import meshio
@@ -195,6 +248,10 @@ def check_prisms(run):
     faces = {name: count for name, count in run.faces.items() if count > 0}
     vtu = pv.read(run.out / "volume.vtu")
     assert vtu.n_cells == run.cells and len(vtu.cells_dict[pv.CellType.WEDGE]) == prisms > 1000
+    check_prisms_of_xdmf(run, vtu, faces)
+    subprocess.run([run.program, "check", run.out], check=True, stdout=subprocess.DEVNULL)
+    if not (run.out / "volume.vtkhdf").exists():
+        return
     hdf = pv.read(run.out / "volume.vtkhdf")
     assert np.array_equal(hdf.points, vtu.points) and np.array_equal(hdf.cells, vtu.cells)
     assert np.array_equal(hdf.celltypes, vtu.celltypes) and np.array_equal(hdf["region"], vtu["region"])
@@ -394,8 +451,7 @@ def check_canopies(run):
     reader.Update()
     assert np.array_equal(pv.wrap(reader.GetOutputDataObject(0))["zone"], zone)
     assert np.array_equal(np.concatenate(meshio.read(run.out / "volume.vtu").cell_data["zone"]), zone)
-    if (run.out / "volume.xdmf").exists():
-        assert np.array_equal(np.concatenate(meshio.read(run.out / "volume.xdmf").cell_data["zone"]), zone)
+    assert np.array_equal(np.concatenate(meshio.read(run.out / "volume.xdmf").cell_data["zone"]), zone)
     # Formats with names have zones over buildings, too, after those of trees; cells are the same by their nodes.
     names = ["air", "canopy_1", "canopy_2", "canopy_3"]
     mesh = meshio.read(run.out / "volume.vtu")
@@ -446,12 +502,13 @@ def main():
     with tempfile.TemporaryDirectory() as scratch:
         variants = [((), FORMATS), (("--compression", "zlib"), FORMATS), (("--building-patches",), FORMATS)]
         if what == "prisms":
-            variants = [(("--boundary-layers", "4"), FORMATS.replace("xdmf,", ""))]
+            variants = [(("--boundary-layers", "4"), FORMATS),
+                        (("--boundary-layers", "4", "--compression", "zlib"), "vtu,xdmf"),
+                        (("--cells", "prisms", "--boundary-layers", "4"), "vtu,xdmf")]
         if what == "canopies":
             trees = plant_trees(pathlib.Path(scratch))
-            formats = "vtu,msh,msh2,vtkhdf,openfoam,cgns,fluent"
-            variants = [(("--canopies", trees), "xdmf," + formats),
-                        (("--canopies", trees, "--boundary-layers", "4"), formats),
+            formats = "vtu,xdmf,msh,msh2,vtkhdf,openfoam,cgns,fluent"
+            variants = [(("--canopies", trees), formats), (("--canopies", trees, "--boundary-layers", "4"), formats),
                         (("--canopies", trees, "--boundary-layers", "4", "--building-zones"), formats)]
         for options, formats in variants:
             try:

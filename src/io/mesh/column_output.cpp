@@ -44,23 +44,17 @@ void append_points(const ColumnMesh& mesh, const Placement& placement, std::size
     });
 }
 
-void refuse_prisms(const std::filesystem::path& path, const ColumnMesh& mesh) {
-  if (mesh.layers.cells() > 0)
-    throw Error(
-        ErrorKind::kUsage,
-        path.filename().string() +
-            ": the mesh has prisms (boundary_layers), which XDMF is not written with; use vtu, "
-            "vtkhdf or another format");
-}
-
 void append_regions(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets,
                     std::size_t begin, std::size_t end, std::string& buffer) {
-  const auto cells = static_cast<std::size_t>(offsets[end] - offsets[begin]);
+  const std::size_t rows = offsets.size() - 1;
+  const std::size_t cells = first_cell_of(offsets, end) - first_cell_of(offsets, begin);
   RawNumbers regions(buffer, cells * sizeof(std::int32_t));
-  for (std::size_t row = begin; row < end; ++row) {
+  for (std::size_t row = begin; row < std::min(end, rows); ++row) {
     const BuildingIndex building = building_below(mesh, row);
     for (CellIndex c = offsets[row]; c < offsets[row + 1]; ++c) regions.put(building.value());
   }
+  for (std::size_t row = std::max(begin, rows); row < end; ++row)
+    regions.put(building_of_prism(mesh, static_cast<std::int64_t>(row - rows)).value());
 }
 
 void require_boundary_of(const ColumnMesh& mesh, const SurfaceMesh& surface) {

@@ -35,7 +35,8 @@ void append_cells(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets,
     });
 }
 
-/// Appends the building of each of these cells (or kNoBuilding) as raw 32-bit numbers.
+/// Appends the building below each cell of the rows [begin, end) of cell_rows() (or kNoBuilding) as
+/// raw 32-bit numbers.
 void append_regions(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets,
                     std::size_t begin, std::size_t end, std::string& buffer);
 
@@ -122,9 +123,6 @@ inline CellIndex cell_behind(const SurfaceMesh& surface, const PatchFaces& range
 inline std::size_t count_faces(const SurfaceMesh& surface) {
   return surface.triangles.size() - surface.quads.size();
 }
-
-/// Throws Error(kUsage) that names the file if the mesh has prisms.
-void refuse_prisms(const std::filesystem::path& path, const ColumnMesh& mesh);
 
 /// Throws Error(kGuarantee) unless `surface` has node and cell numbers of `mesh`, and at each point
 /// of the surface is the node it names.

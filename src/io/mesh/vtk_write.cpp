@@ -191,9 +191,7 @@ void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
   file.write_next(
       rows + prisms,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        append_regions(mesh, offsets, std::min(begin, rows), std::min(end, rows), buffer);
-        for (std::size_t i = std::max(begin, rows); i < end; ++i)
-          append_raw(buffer, building_of_prism(mesh, static_cast<std::int64_t>(i - rows)).value());
+        append_regions(mesh, offsets, begin, end, buffer);
       },
       portion(progress, 0.9, 1));
   if (!zones.empty())

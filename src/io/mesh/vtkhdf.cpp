@@ -54,7 +54,6 @@ void write_vtkhdf(const std::filesystem::path& path, const ColumnMesh& mesh,
   const auto nodes = static_cast<std::uint64_t>(mesh.node_count());
   const CellCounts counts = count_cells(mesh, cells);
   const std::uint64_t count = counts.all();
-  const std::size_t rows = cells.size() - 1;
   std::vector<Hdf5Dataset> datasets{
       {"/VTKHDF/NumberOfPoints", Hdf5Type::kInt64, 1, 0},
       {"/VTKHDF/NumberOfCells", Hdf5Type::kInt64, 1, 0},
@@ -104,9 +103,7 @@ void write_vtkhdf(const std::filesystem::path& path, const ColumnMesh& mesh,
   file.write_next(
       cell_rows(mesh, cells),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        append_regions(mesh, cells, std::min(begin, rows), std::min(end, rows), buffer);
-        for (std::size_t i = std::max(begin, rows); i < end; ++i)
-          append_raw(buffer, building_of_prism(mesh, static_cast<std::int64_t>(i - rows)).value());
+        append_regions(mesh, cells, begin, end, buffer);
       },
       portion(progress, 0.9, 1));
   if (!zones.empty()) write_numbers(count, [&](std::size_t i) { return zones.of_cell[i]; });

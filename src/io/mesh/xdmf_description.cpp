@@ -21,13 +21,19 @@ std::string data_item(std::string_view number, int precision, const std::string&
       number, precision, dimensions, file, path);
 }
 
-std::string topology(std::string_view type, std::int64_t elements, int nodes,
+std::string topology(const Kind& small, const Kind& large, const Elements& elements,
                      const std::string& file, std::string_view path) {
+  if (elements.mixed())
+    return fmt::format(
+        "<Topology TopologyType=\"Mixed\" NumberOfElements=\"{}\">\n{}\n</Topology>\n",
+        elements.all(),
+        data_item("Int", 8, std::to_string(mixed_size(small, large, elements)), file, path));
+  const Kind& kind = elements.large > 0 ? large : small;
   return fmt::format(
       "<Topology TopologyType=\"{}\" NumberOfElements=\"{}\" NodesPerElement=\"{}\">\n{}\n"
       "</Topology>\n",
-      type, elements, nodes,
-      data_item("Int", 8, fmt::format("{} {}", elements, nodes), file, path));
+      kind.name, elements.all(), kind.corners,
+      data_item("Int", 8, fmt::format("{} {}", elements.all(), kind.corners), file, path));
 }
 
 std::string geometry(std::int64_t nodes, const std::string& file) {
@@ -55,27 +61,28 @@ std::string with_grid(std::string_view name, const Point3& origin, const std::st
 
 // DOLFINx finds grids by name and takes a grid's first attribute unless told its name.
 
-std::string volume_description(std::int64_t nodes, std::int64_t cells, bool zones,
+std::string volume_description(std::int64_t nodes, const Elements& cells, bool zones,
                                const Point3& origin, const std::string& file) {
   return with_grid("mesh", origin,
-                   topology("Tetrahedron", cells, 4, file, kTopology) + geometry(nodes, file) +
-                       attribute("region", cells, file, kRegion) +
-                       (zones ? attribute("zone", cells, file, kZone) : ""));
+                   topology(kTetrahedron, kWedge, cells, file, kTopology) + geometry(nodes, file) +
+                       attribute("region", cells.all(), file, kRegion) +
+                       (zones ? attribute("zone", cells.all(), file, kZone) : ""));
 }
 
 /// The names are where meshio puts its own `field_data`: numbers and dimensions by name.
-std::string boundary_description(std::int64_t nodes, std::int64_t faces, const PatchNames& patches,
-                                 const Point3& origin, const std::string& volume_file,
-                                 const std::string& file) {
+std::string boundary_description(std::int64_t nodes, const Elements& faces,
+                                 const PatchNames& patches, const Point3& origin,
+                                 const std::string& volume_file, const std::string& file) {
   std::string names =
       fmt::format("<Information Name=\"patches\" Value=\"{}\"><![CDATA[<main>\n", patches.size());
   for (const auto& [number, name] : patches)
     names += fmt::format("{}{}\" dim=\"2\">{}</map>\n", kKey, name, number);
   names += "</main>]]></Information>\n";
   return with_grid("boundary", origin,
-                   topology("Triangle", faces, 3, file, kFaces) + geometry(nodes, volume_file) +
-                       attribute("patch", faces, file, kPatch) +
-                       attribute("building", faces, file, kBuilding) + names);
+                   topology(kTriangle, kQuadrilateral, faces, file, kFaces) +
+                       geometry(nodes, volume_file) +
+                       attribute("patch", faces.all(), file, kPatch) +
+                       attribute("building", faces.all(), file, kBuilding) + names);
 }
 
 PatchNames names_in(const std::string& description) {

@@ -1,7 +1,8 @@
-// Meshes with prisms: what files hold of them, and which refuse them.
+// Meshes with prisms: what files hold of them.
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <fstream>
 #include <functional>
 #include <string>
 #include <utility>
@@ -72,16 +73,63 @@ TEST_F(PrismFormats, SurfacesToLookAtHaveTrianglesOnly) {
                 })));
 }
 
-TEST_F(PrismFormats, XdmfRefusesThem) {
-  std::string message;
-  try {
-    write_xdmf(folder / "volume.xdmf", folder / "boundary.xdmf", mesh, boundary, {});
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kUsage);
-    message = error.what();
+TEST_F(PrismFormats, XdmfComesBackAsVtk) {
+  write_vtu(folder / "volume.vtu", mesh, {});
+  write_vtp(folder / "boundary.vtp", boundary, {});
+  const TetMesh expected = read_vtu(folder / "volume.vtu");
+  const SurfaceMesh faces = read_vtp(folder / "boundary.vtp");
+  for (const Compression compression : {Compression::kNone, Compression::kZlib}) {
+    write_xdmf(folder / "volume.xdmf", folder / "boundary.xdmf", mesh, boundary, {}, {},
+               compression);
+    const auto volume = std::get<TetMesh>(read_xdmf(folder / "volume.xdmf"));
+    EXPECT_GT(volume.wedges.size(), 100U);
+    EXPECT_EQ(volume.points, expected.points);
+    EXPECT_EQ(volume.cells, expected.cells);
+    EXPECT_EQ(volume.wedges, expected.wedges);
+    EXPECT_EQ(volume.region, expected.region);
+    const auto read = std::get<SurfaceMesh>(read_xdmf(folder / "boundary.xdmf"));
+    EXPECT_GT(read.quads.size(), 10U);
+    EXPECT_EQ(read.quads, faces.quads);
+    EXPECT_EQ(read.patch, faces.patch);
+    EXPECT_EQ(read.building, faces.building);
+    ASSERT_EQ(read.triangles.size(), faces.triangles.size());
+    for (std::size_t f = 0; f < read.triangles.size(); ++f)
+      for (std::size_t i = 0; i < 3; ++i)
+        EXPECT_EQ(read.points[static_cast<std::size_t>(read.triangles[f][i])],
+                  faces.points[static_cast<std::size_t>(faces.triangles[f][i])]);
   }
-  EXPECT_EQ(message.rfind("volume.xdmf", 0), 0U) << message;
-  EXPECT_FALSE(std::filesystem::exists(folder / "volume.xdmf"));
+}
+
+TEST_F(PrismFormats, BrokenXdmfIsRefused) {
+  write_xdmf(folder / "volume.xdmf", folder / "boundary.xdmf", mesh, boundary, {});
+  const std::string whole = testing::bytes_of(folder / "volume.xdmf");
+  const auto tets = cell_offsets(mesh).back().value();
+  const auto change = [&](const std::string& from, const std::string& to) {
+    std::string text = whole;
+    ASSERT_NE(text.find(from), std::string::npos) << from;
+    text.replace(text.find(from), from.size(), to);
+    std::ofstream(folder / "volume.xdmf", std::ios::binary) << text;
+    EXPECT_THROW(read_xdmf(folder / "volume.xdmf"), Error) << to;
+  };
+  change("\"Mixed\"", "\"Wedge\"");
+  change("\"Mixed\"", "\"Tetrahedron\"");
+  const auto cells = std::to_string(tets + mesh.layers.cells());
+  change("NumberOfElements=\"" + cells, "NumberOfElements=\"1" + cells);
+  // An element of another type: the first number of the list.
+  std::ofstream(folder / "volume.xdmf", std::ios::binary) << whole;
+  std::string data = testing::bytes_of(folder / "volume.h5");
+  std::string first(8, '\0');
+  first[0] = 6;
+  const TetMesh read = std::get<TetMesh>(read_xdmf(folder / "volume.xdmf"));
+  for (const std::int64_t v : read.cells[0])
+    first.append(reinterpret_cast<const char*>(&v), sizeof(v));
+  const std::size_t at = data.find(first);
+  ASSERT_NE(at, std::string::npos);
+  for (const char type : {4, 8, 9}) {
+    data[at] = type;
+    std::ofstream(folder / "volume.h5", std::ios::binary) << data;
+    EXPECT_THROW(read_xdmf(folder / "volume.xdmf"), Error) << int{type};
+  }
 }
 
 TEST_F(PrismFormats, TextsHaveAllElements) {

@@ -37,6 +37,10 @@ namespace tetropolis {
 /// none). The names of the patches are where meshio has its `field_data`: an Information of the
 /// grid with a key for each. Both HDF5 files have Placement::origin as /origin (3, float64).
 ///
+/// With prisms there is nothing but them (Wedge, m x 6), or tets and prisms (Mixed): then the
+/// topology is one list in which the number of its type, 6 or 8, comes before the nodes of each
+/// cell. The boundary has quadrilaterals at their sides, and is Mixed likewise (4 and 5).
+///
 /// Compressed, the datasets have chunks with the filters deflate and, for whole numbers, shuffle;
 /// every program that reads HDF5 unpacks them.
 ///
