@@ -125,7 +125,7 @@ void ease(const MeshCityOptions& options, const Raster& dtm, const GroundMesh& g
           ColumnPlan& plan) {
   if (options.cut_slope_deg >= 90) return;
   PrismBounds bounds;
-  bounds.slope_deg = options.cut_slope_deg;
+  bounds.slope_deg = std::min(bounds.slope_deg, options.cut_slope_deg);
   plan.eased = ease_ground(ground, build_edge_graph(ground), plan.lift,
                            options.boundary_layers.first, bounds, plan.ground);
   if (plan.eased.empty()) return;

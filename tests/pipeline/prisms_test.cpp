@@ -91,28 +91,49 @@ TEST(Prisms, AloneFillTheDomainAboveExactFloors) {
 /// 40 % of the terrain within 5 degrees of the steepest that prisms are for.
 double ridges(double x, double) { return 10 * std::sin(x / 14); }
 
-/// Rows of houses along the hill, with slots of a metre between them; each is 9 m high at the
-/// middle of a side.
-testing::SmallCity houses_on(const std::function<double(double, double)>& terrain) {
+/// Rows of houses along the hill, with slots of a metre between them; each is so high at the middle
+/// of a side.
+testing::SmallCity houses_on(const std::function<double(double, double)>& terrain, double high) {
   testing::SmallCity city = testing::small_city(terrain);
   city.footprints.clear();
   city.roofs.clear();
   for (const int x : {8, 33, 60, 88})
     for (int y = 8; y < 70; y += 13) {
       city.footprints.push_back(testing::rectangle(x, y, x + 12, y + 12));
-      city.roofs.push_back(terrain(x + 6, y) + 9);
+      city.roofs.push_back(terrain(x + 6, y) + high);
     }
   return city;
 }
 
 TEST(Prisms, StandOnHills) {
   for (const auto& terrain : {ridges, testing::hills}) {
-    const CityMesh mesh = mesh_of(houses_on(terrain), Cells::kPrisms);
+    const CityMesh mesh = mesh_of(houses_on(terrain, 9), Cells::kPrisms);
     EXPECT_TRUE(mesh.volume.layers.whole);
     EXPECT_LE(mesh.volume_facts.prisms.max_non_orthogonality_deg, 65);
     EXPECT_LE(mesh.volume_facts.prisms.max_skewness, 3);
     EXPECT_NEAR(mesh.volume_facts.volume / volume_above_floors(mesh.volume, mesh.volume_facts.top),
                 1, 1e-9);
+  }
+}
+
+TEST(Prisms, StandAtBuriedWalls) {
+  // Uphill, roofs are metres below the terrain.
+  for (const auto& terrain : {ridges, testing::hills}) {
+    testing::SmallCity city = testing::small_city(terrain);
+    city.footprints.clear();
+    city.roofs.clear();
+    for (const int x : {8, 50})
+      for (const int y : {8, 45}) {
+        city.footprints.push_back(testing::rectangle(x, y, x + 36, y + 30));
+        city.roofs.push_back(terrain(x + 18, y + 15) + 3);
+      }
+    MeshCityOptions options;
+    options.mesh_size = 4;
+    options.cells = Cells::kPrisms;
+    const VolumeMeshFacts facts = mesh_city(model_of(city), city.dtm, options).volume_facts;
+    EXPECT_GT(facts.ground_lowered, 0);
+    EXPECT_LE(facts.prisms.max_non_orthogonality_deg, 60.5);
+    EXPECT_LE(facts.prisms.max_skewness, 2.8);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/infinity.h"
 #include "core/parallel.h"
 #include "core/sort_once.h"
 #include "core/units.h"
@@ -21,6 +22,9 @@ constexpr double kLeastShare = 0.4;        // of a segment's height
 constexpr int kMostRounds = 60;
 /// Of the room up or down; tried in this order.
 constexpr std::array kSteps{0.4, -0.4, 0.15, -0.15, 0.04, -0.04};
+/// Nodes above go along, each by this share of the one below, where a node alone finds no step.
+constexpr double kFollow = 0.75;
+constexpr std::int64_t kMostFollowers = 8;
 
 double squared(double excess) { return excess > 0 ? excess * excess : 0; }
 
@@ -57,7 +61,7 @@ double penalty(const ColumnMesh& mesh, TriangleIndex t, std::int32_t layer, cons
 struct FreeNode {
   VertexIndex vertex;
   NodeIndex node;
-  double least_below, least_above;  ///< Of the segments it is between, metres.
+  NodeIndex end;  ///< Of the floor above, or the top.
 
   bool operator<(const FreeNode& other) const { return node < other.node; }
   bool operator==(const FreeNode& other) const { return node == other.node; }
@@ -77,9 +81,10 @@ std::vector<FreeNode> nodes_of_faults(const ColumnMesh& mesh, const PrismAims& a
           for (std::int64_t at = std::max<std::int64_t>(below - 1, 1);
                at <= below + 2 && mesh.first[v] + at < mesh.top(v); ++at) {
             if (std::find(floors.begin(), floors.end(), at) != floors.end()) continue;
-            const NodeIndex n = mesh.first[v] + at;
-            found[t].push_back({v, n, kLeastShare * (mesh.z[n] - mesh.z[n - 1]),
-                                kLeastShare * (mesh.z[n + 1] - mesh.z[n])});
+            NodeIndex last = mesh.top(v);
+            for (const std::int32_t floor : floors)
+              if (floor > at) last = std::min(last, mesh.first[v] + floor);
+            found[t].push_back({v, mesh.first[v] + at, last});
           }
         }
       }
@@ -90,34 +95,71 @@ std::vector<FreeNode> nodes_of_faults(const ColumnMesh& mesh, const PrismAims& a
   return nodes;
 }
 
-/// Of the prisms that have the node.
-double penalty_around(const ColumnMesh& mesh, std::span<const TriangleIndex> around,
-                      const FreeNode& node, const PrismAims& aims) {
+class Improving {
+ public:
+  Improving(ColumnMesh& mesh, const PrismAims& aims) : mesh_(mesh), before_(mesh.z), aims_(aims) {}
+
+  /// Whether a step was found that helps.
+  bool move(std::span<const TriangleIndex> around, const FreeNode& node) {
+    if (!(penalty_around(around, node, 1) > 0)) return false;
+    if (move(around, node, 1)) return true;
+    const std::int64_t followers = std::min(node.end - node.node, kMostFollowers);
+    return followers > 1 && move(around, node, followers);
+  }
+
+ private:
+  /// Of the prisms that have one of `count` nodes from this one on.
+  double penalty_around(std::span<const TriangleIndex> around, const FreeNode& node,
+                        std::int64_t count) const;
+  bool move(std::span<const TriangleIndex> around, const FreeNode& node, std::int64_t count);
+  /// Of the segment above node n until it is as short as it may become, metres.
+  double spare(NodeIndex n) const {
+    return mesh_.z[n + 1] - mesh_.z[n] - kLeastShare * (before_[n + 1] - before_[n]);
+  }
+
+  ColumnMesh& mesh_;
+  const std::vector<double> before_;
+  const PrismAims& aims_;
+};
+
+double Improving::penalty_around(std::span<const TriangleIndex> around, const FreeNode& node,
+                                 std::int64_t count) const {
   double sum = 0;
   for (const TriangleIndex t : around) {
-    const auto above = static_cast<std::int32_t>(node.node - mesh.floor_over(t, node.vertex)) +
-                       (mesh.has_layers(t) ? mesh.layers.count : 0);
-    for (const std::int32_t layer : {above - 1, above})
-      if (layer >= 0 && layer < prism_count(mesh, t)) sum += penalty(mesh, t, layer, aims);
+    const auto above = static_cast<std::int32_t>(node.node - mesh_.floor_over(t, node.vertex)) +
+                       (mesh_.has_layers(t) ? mesh_.layers.count : 0);
+    const auto end = std::min<std::int64_t>(above + count, prism_count(mesh_, t));
+    for (std::int32_t layer = std::max(above - 1, 0); layer < end; ++layer)
+      sum += penalty(mesh_, t, layer, aims_);
   }
   return sum;
 }
 
-/// Whether a step was found that helps.
-bool move(ColumnMesh& mesh, std::span<const TriangleIndex> around, const FreeNode& node,
-          const PrismAims& aims) {
-  const double before = penalty_around(mesh, around, node, aims);
-  if (!(before > 0)) return false;
-  double& z = mesh.z[node.node];
-  const double was = z, up = mesh.z[node.node + 1] - node.least_above - was;
-  const double down = was - mesh.z[node.node - 1] - node.least_below;
+bool Improving::move(std::span<const TriangleIndex> around, const FreeNode& node,
+                     std::int64_t count) {
+  const double before = penalty_around(around, node, count);
+  std::array<double, kMostFollowers> was{}, share{};
+  double up = kInfinity;
+  for (std::int64_t i = 0; i < count; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    was[at] = mesh_.z[node.node + i];
+    share[at] = i == 0 ? 1 : kFollow * share[at - 1];
+    up = std::min(up, spare(node.node + i) / (share[at] * (i + 1 < count ? 1 - kFollow : 1)));
+  }
+  const double down = spare(node.node - 1);
+  const auto shift = [&](double by) {
+    for (std::int64_t i = 0; i < count; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      mesh_.z[node.node + i] = was[at] + by * share[at];
+    }
+  };
   for (const double step : kSteps) {
     const double room = step > 0 ? up : down;
     if (!(room > 0)) continue;
-    z = was + step * room;
-    if (penalty_around(mesh, around, node, aims) < 0.995 * before) return true;
+    shift(step * room);
+    if (penalty_around(around, node, count) < 0.995 * before) return true;
   }
-  z = was;
+  shift(0);
   return false;
 }
 
@@ -125,6 +167,7 @@ bool move(ColumnMesh& mesh, std::span<const TriangleIndex> around, const FreeNod
 
 std::int64_t improve_prisms(ColumnMesh& mesh, const PrismAims& aims) {
   const std::vector<FreeNode> nodes = nodes_of_faults(mesh, aims);
+  Improving improving(mesh, aims);
   std::vector<int> moved_in(mesh.vertex_count(), 0);  // per vertex, the last round; 0: never
   bool again = true;
   for (int round = 1; again && round <= kMostRounds; ++round) {
@@ -138,7 +181,7 @@ std::int64_t improve_prisms(ColumnMesh& mesh, const PrismAims& aims) {
                            [&](VertexIndex u) { return moved_in[u] >= round - 1; });
       };
       if (round > 1 && std::none_of(around.begin(), around.end(), is_new)) continue;
-      if (!move(mesh, around, node, aims)) continue;
+      if (!improving.move(around, node)) continue;
       moved_in[node.vertex] = round;
       again = true;
     }

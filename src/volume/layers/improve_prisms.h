@@ -20,7 +20,8 @@ inline bool is_within(const PrismQuality& quality, const PrismAims& aims) {
 }
 
 /// Moves nodes between floors and top up or down where faces are beyond the aims, so that the sum
-/// of what they are above them, squared, falls: node by node, in a bounded number of rounds.
+/// of what they are above them, squared, falls: node by node, or one with less and less of those
+/// above it, in a bounded number of rounds.
 /// Floors, top and the boundary layers stay; no segment of a column becomes shorter than two fifths
 /// of what it was. What happens at a place depends on the faces around it. Returns how many
 /// columns have moved nodes. Precondition: `mesh` is all prisms (make_whole).
