@@ -1,6 +1,7 @@
 #include "volume/excavate/ease_ground.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -21,7 +22,7 @@ struct Pits {
   std::vector<double> terrain, eased, lift;
   std::vector<VertexIndex> lowered;
 
-  explicit Pits(bool two, double deep = 7) {
+  explicit Pits(bool two, double deep = 7, const PrismBounds& bounds = {}) {
     const auto depth = [](double x, double y, double at_x) {
       const double off = std::max(std::abs(x - at_x) - 5, std::abs(y - 40) - 5);
       return std::clamp(1 - off / 3, 0.0, 1.0);
@@ -33,7 +34,7 @@ struct Pits {
     lift.assign(terrain.size(), 3.7);
     eased = terrain;
     for (double& z : eased) z += 3.7;
-    lowered = ease_ground(mesh, build_edge_graph(mesh), lift, 0.5, {}, eased);
+    lowered = ease_ground(mesh, build_edge_graph(mesh), lift, 0.5, bounds, eased);
     for (double& z : eased) z -= 3.7;
   }
 
@@ -71,6 +72,70 @@ TEST(EaseGround, CutsBackThePitAndNothingElse) {
   }
   EXPECT_FALSE(changed.empty());
   EXPECT_EQ(pits.lowered, changed);
+}
+
+/// Upright faces of the lowest prisms, which are half a metre high everywhere: the greatest angle
+/// between a face and the line between the centres beside it, degrees, but for faces of more than
+/// `flat` where the ground is flat; and the greatest skewness of faces at walls.
+struct UprightFaces {
+  double non_orthogonal = 0, skewness_at_walls = 0;
+
+  UprightFaces(const Pits& pits, const std::vector<double>& z, double flat) {
+    const EdgeGraph edges = build_edge_graph(pits.mesh);
+    const auto centre = [&](TriangleIndex t) {
+      std::array<double, 3> sum{0, 0, 0.25};
+      for (const VertexIndex v : pits.mesh.triangles[t]) {
+        sum[0] += pits.mesh.vertices[v].x / 3;
+        sum[1] += pits.mesh.vertices[v].y / 3;
+        sum[2] += z[v] / 3;
+      }
+      return sum;
+    };
+    const auto is_open = [&](TriangleIndex t) {
+      return t != kNoTriangle && !pits.mesh.inside_building(t);
+    };
+    for (const EdgeIndex e : indices<EdgeIndex>(edges.size())) {
+      const auto [s, t] = edges.triangles[e];
+      if (!is_open(s) && !is_open(t)) continue;
+      const auto [a, b] = edges.vertices[e];
+      const double ex = pits.mesh.vertices[b].x - pits.mesh.vertices[a].x;
+      const double ey = pits.mesh.vertices[b].y - pits.mesh.vertices[a].y;
+      const double length = std::hypot(ex, ey);
+      const std::array<double, 3> here = centre(is_open(s) ? s : t);
+      if (is_open(s) && is_open(t)) {
+        const std::array<double, 3> there = centre(t);
+        const double dx = there[0] - here[0], dy = there[1] - here[1], dz = there[2] - here[2];
+        const double across = std::abs(dx * ey - dy * ex) / length;
+        const auto angle = [&](double rise) {
+          return std::acos(across / std::hypot(dx, dy, rise)) * 180 / std::numbers::pi;
+        };
+        if (angle(0) <= flat) non_orthogonal = std::max(non_orthogonal, angle(dz));
+        continue;
+      }
+      // In the plane of the face: along its edge, and up.
+      const double mx = (pits.mesh.vertices[a].x + pits.mesh.vertices[b].x) / 2;
+      const double my = (pits.mesh.vertices[a].y + pits.mesh.vertices[b].y) / 2;
+      const double along = ((mx - here[0]) * ex + (my - here[1]) * ey) / length;
+      const double up = (z[a] + z[b]) / 2 + 0.25 - here[2], off = std::hypot(along, up);
+      if (!(off > 0)) continue;
+      double extent = 0.4 * std::abs((mx - here[0]) * ey - (my - here[1]) * ex) / length;
+      for (const double end : {-0.5, 0.5})
+        for (const double level : {-0.25, 0.25})
+          extent = std::max(extent, std::abs(along * end * length +
+                                             up * (end * (z[b] - z[a]) + level)) / off);
+      skewness_at_walls = std::max(skewness_at_walls, off / extent);
+    }
+  }
+};
+
+TEST(EaseGround, BoundsUprightFaces) {
+  constexpr double kNone = 1e9;
+  const Pits edges(false, 7, {89, 50, kNone}), skewed(false, 7, {89, 89, 1});
+  EXPECT_GT(UprightFaces(edges, edges.terrain, 45).non_orthogonal, 60);
+  EXPECT_LE(UprightFaces(edges, edges.eased, 45).non_orthogonal, 50.001);
+  EXPECT_GT(edges.steepest(edges.eased), 46);
+  EXPECT_GT(UprightFaces(skewed, skewed.terrain, 90).skewness_at_walls, 1.2);
+  EXPECT_LE(UprightFaces(skewed, skewed.eased, 90).skewness_at_walls, 1.001);
 }
 
 TEST(EaseGround, LeavesGentleGround) {
