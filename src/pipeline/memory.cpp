@@ -19,8 +19,6 @@ namespace {
 constexpr double kProgram = 80e6;
 constexpr double kPerTriangle = 600;
 constexpr double kPerCell = 2;
-/// Of a mesh with a lid, above which cells are explicit: measured on 0.4 to 12 million.
-constexpr double kPerCellWithLid = 48;
 /// Points while they are sorted into the terrain: besides its nodes 18 to 20 bytes on 12 and 6
 /// million, with classes and without, and some room.
 constexpr double kPerPoint = 26;
@@ -46,8 +44,7 @@ constexpr double kLayersToLid = 9;
 
 double bytes_of(const MeshCityOptions& options, double triangles, double cells,
                 double terrain_nodes) {
-  double bytes = kProgram + 8 * terrain_nodes + kPerTriangle * triangles +
-                 (ends_at_lid(options) ? kPerCellWithLid : kPerCell) * cells;
+  double bytes = kProgram + 8 * terrain_nodes + kPerTriangle * triangles + kPerCell * cells;
   if (solves_laplace(options)) bytes += kPerSolverNode * cells / 6;
   return bytes;
 }

@@ -58,13 +58,17 @@ inline ExplicitMesh explicit_mesh(const ColumnMesh& mesh,
       cell[segment.corner] = cell[3];
     }
   }
-  for (const Point3& p : mesh.upper.points)
-    result.points.push_back({p[0] + shift[0], p[1] + shift[1], p[2] + shift[2]});
-  for (const auto& c : mesh.upper.cells) {
-    result.cells.push_back({c[0].value(), c[1].value(), c[2].value(), c[3].value()});
+  const UpperMesh& upper = mesh.upper;
+  for (std::size_t i = 0; i < upper.nodes(); ++i) {
+    const Point2 p = mesh.ground.vertices[upper.vertex[i]];
+    result.points.push_back({p.x + shift[0], p.y + shift[1], upper.z[i] + shift[2]});
+  }
+  upper.for_each_cell(0, upper.cells(), [&](const UpperMesh::Cell& c) {
+    const auto node = [&](std::size_t i) { return upper_node(mesh, c[i]).value(); };
+    result.cells.push_back({node(0), node(1), node(2), node(3)});
     result.region.push_back(kNoBuilding.value());
     result.triangle.push_back(kNoTriangle);
-  }
+  });
   return result;
 }
 

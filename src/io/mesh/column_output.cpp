@@ -34,7 +34,7 @@ void append_points(const ColumnMesh& mesh, const Placement& placement, std::size
     const std::size_t column = std::min(row, mesh.vertex_count());
     const std::size_t upper = (row - column) * kUpperBlock;
     const std::size_t below = row - std::min(row, layers);
-    return std::size_t{mesh.first[column]} + std::min(upper, mesh.upper.points.size()) +
+    return std::size_t{mesh.first[column]} + std::min(upper, mesh.upper.nodes()) +
            below * static_cast<std::size_t>(mesh.layers.count);
   };
   RawNumbers points(buffer, (first_of(end) - first_of(begin)) * 3 * sizeof(double));

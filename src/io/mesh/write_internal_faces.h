@@ -22,10 +22,10 @@ namespace tetropolis {
 struct CellFaces {
   explicit CellFaces(const ColumnMesh& mesh)
       : cells(cell_offsets(mesh)), between_prisms(prism_faces(mesh, cells.back())) {
-    if (!mesh.upper.empty()) in_upper = upper_faces(mesh).inner;
+    if (!mesh.upper.empty()) in_upper = upper_faces(mesh);
   }
   std::vector<CellIndex> cells;  ///< cell_offsets().
-  std::vector<UpperFaces::Inner> in_upper;
+  std::vector<UpperFace> in_upper;
   std::vector<PrismFace> between_prisms;
 };
 
@@ -49,7 +49,7 @@ void write_internal_faces(AtomicFile& file, const ColumnMesh& mesh, const CellFa
   write_chunked(file, faces.in_upper.size(), kRows,
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
                   for (std::size_t f = begin; f < end; ++f) {
-                    const UpperFaces::Inner& face = faces.in_upper[f];
+                    const UpperFace& face = faces.in_upper[f];
                     append(InternalFace{face.cell, face.neighbour, face.nodes}, buffer);
                   }
                 });

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <numeric>
 #include <utility>
 
@@ -16,7 +17,7 @@ namespace {
 /// by the one that it leaves.
 using Place = std::size_t;
 
-/// The steps, as the cells tell them.
+/// The steps: one to each fan.
 class Steps {
  public:
   explicit Steps(const ColumnMesh& mesh) : mesh_(mesh) {
@@ -26,9 +27,9 @@ class Steps {
     first_.push_back(0);
     for (const std::size_t count : nodes) first_.push_back(first_.back() + count);
     for (const VertexIndex v : mesh.ground.vertices.indices()) vertex_.resize(first_[v + 1], v);
-    cells_.assign(vertex_.size() + 1, 0);
-    for (const auto& cell : upper.cells) ++cells_[place(cell[0]) + 1];
-    std::partial_sum(cells_.begin(), cells_.end(), cells_.begin());
+    fan_.assign(vertex_.size(), kNoFan);
+    for (std::size_t f = 0; f + 1 < upper.fans.size(); ++f)
+      fan_[place(upper.fans[f].node)] = static_cast<std::uint32_t>(f);
   }
 
   std::size_t size() const { return vertex_.size(); }
@@ -36,37 +37,35 @@ class Steps {
   Place last(VertexIndex v) const { return first_[v + 1] - 1; }
   VertexIndex vertex(Place p) const { return vertex_[p]; }
   bool is_on_lid(Place p) const { return p == first_[vertex_[p]]; }
-  bool is_step(Place p) const { return cells_[p + 1] > cells_[p]; }
+  bool is_step(Place p) const { return fan_[p] != kNoFan; }
   bool is_end(Place p) const { return is_step(p) && p == last(vertex_[p]); }
 
-  Place place(NodeIndex n) const {
-    const std::int64_t above = n - NodeIndex(mesh_.column_nodes());
-    if (above >= 0) {
-      const auto i = static_cast<std::size_t>(above);
-      return i + std::size_t{mesh_.upper.vertex[i]} + 1;
-    }
-    const auto after = std::upper_bound(mesh_.first.begin(), mesh_.first.end(), n);
-    return first_[static_cast<std::size_t>(after - mesh_.first.begin()) - 1];
+  Place place(UpperPlace p) const {
+    const std::size_t columns = mesh_.vertex_count();
+    if (p < columns) return first_[p];
+    return p - columns + std::size_t{mesh_.upper.vertex[p - columns]} + 1;
   }
 
   /// Of the cells that the step makes.
-  std::span<const std::array<NodeIndex, 4>> cells(Place p) const {
-    return std::span(mesh_.upper.cells).subspan(cells_[p], cells_[p + 1] - cells_[p]);
+  std::span<const UpperPlace> others(Place p) const {
+    const auto& fans = mesh_.upper.fans;
+    const std::size_t begin = fans[fan_[p]].other, end = fans[fan_[p] + 1].other;
+    return std::span(mesh_.upper.others).subspan(begin, end - begin);
   }
 
   /// The places around it when it is taken, some twice.
   template <typename Visit>
   void for_each_around(Place p, const Visit& visit) const {
-    const std::size_t end = is_end(p) ? 4 : 3;
-    for (const auto& cell : cells(p))
-      for (std::size_t k = 1; k < end; ++k) visit(place(cell[k]));
+    if (!is_step(p)) return;
+    for (const UpperPlace other : others(p)) visit(place(other));
   }
 
  private:
+  static constexpr std::uint32_t kNoFan = 0xffffffff;
   const ColumnMesh& mesh_;
   std::vector<Place> first_;         // per vertex, and one more
   std::vector<VertexIndex> vertex_;  // per place
-  std::vector<std::size_t> cells_;   // per place, and one more: where its step's begin
+  std::vector<std::uint32_t> fan_;   // per place
 };
 
 /// The elevations of places, as the reader has them.
@@ -80,7 +79,7 @@ std::vector<std::int32_t> add_rises(const ColumnMesh& mesh, const Steps& steps,
     read[steps.first(v)] = static_cast<std::int32_t>(z[lid]);
     for (Place p = steps.first(v); p < steps.last(v); ++p) {
       const bool is_last = p + 1 == steps.last(v) && !steps.is_end(p + 1);
-      const std::int32_t z_up = page_steps(mesh.upper.points[p - std::size_t{v}][2]);
+      const std::int32_t z_up = page_steps(mesh.upper.z[p - std::size_t{v}]);
       const std::int32_t even = is_last ? top : 2 * read[p] - before;
       page.rise.push_back(z_up - even);
       read[p + 1] = z_up;
@@ -118,16 +117,16 @@ std::vector<std::int64_t> add_waits(const ColumnMesh& mesh, const Steps& steps,
                                     std::span<const double> z, std::span<const std::int32_t> read,
                                     PageUpper& page) {
   // By place: the steps it is around of.
-  std::vector<std::size_t> begin(steps.size() + 1, 0);
+  std::vector<std::uint32_t> begin(steps.size() + 1, 0);
   for (Place p = 0; p < steps.size(); ++p)
     steps.for_each_around(p, [&](Place q) { ++begin[q + 1]; });
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<Place> around(begin.back());
-  std::vector<std::size_t> filled(begin.begin(), begin.end() - 1);
-  std::vector<std::size_t> before(steps.size(), 0);  // how many are to be taken before
+  std::vector<std::uint32_t> around(begin.back());
+  std::vector<std::uint32_t> filled(begin.begin(), begin.end() - 1);
+  std::vector<std::uint32_t> before(steps.size(), 0);  // how many are to be taken before
   for (Place p = 0; p < steps.size(); ++p) {
     steps.for_each_around(p, [&](Place q) {
-      around[filled[q]++] = p;
+      around[filled[q]++] = static_cast<std::uint32_t>(p);
       if (!steps.is_on_lid(q)) ++before[p];
     });
     if (!steps.is_on_lid(p)) ++before[p];
@@ -166,9 +165,10 @@ void add_splits(const Steps& steps, Place p, PageUpper& page) {
   using Corners = std::array<VertexIndex, 3>;
   std::vector<Corners> covers;
   std::vector<std::pair<VertexIndex, VertexIndex>> edges;
-  for (const auto& cell : steps.cells(p)) {
+  const std::span<const UpperPlace> others = steps.others(p);
+  for (std::size_t i = 0; i < others.size(); i += 3) {
     Corners c;
-    for (std::size_t k = 0; k < 3; ++k) c[k] = steps.vertex(steps.place(cell[k + 1]));
+    for (std::size_t k = 0; k < 3; ++k) c[k] = steps.vertex(steps.place(others[i + k]));
     covers.push_back(c);
     for (std::size_t k = 0; k < 3; ++k) edges.emplace_back(c[k], c[(k + 1) % 3]);
   }

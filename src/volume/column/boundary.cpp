@@ -167,27 +167,26 @@ void add_prisms(const ColumnMesh& mesh, CellIndex first_prism, FaceLists& faces)
 }
 
 void add_upper(const ColumnMesh& mesh, FaceLists& faces) {
-  const UpperFaces upper = upper_faces(mesh, false);
-  for (const UpperFace& face : upper.top)
-    faces.add(Patch::kTop, {face.nodes, face.cell, kNoBuilding});
+  const CellIndex first = cell_offsets(mesh)[mesh.triangle_count()];
   // By edge, as the sides are asked for.
-  const UpperNodes nodes(mesh);
-  std::vector<std::pair<std::array<VertexIndex, 2>, const UpperFace*>> sides;
-  for (const UpperFace& face : upper.sides) {
-    std::array<VertexIndex, 3> v{};
-    for (std::size_t i = 0; i < 3; ++i) v[i] = nodes.vertex(face.nodes[i]);
-    const auto [low, high] = std::minmax({v[0], v[1], v[2]});
-    sides.push_back({{low, high}, &face});
-  }
+  std::vector<std::pair<std::array<VertexIndex, 2>, Face>> sides;
+  visit_outer_faces(mesh, [&](std::size_t cell, const UpperMesh::Cell&,
+                              const std::array<UpperPlace, 3>& places, bool is_top) {
+    const Face face{upper_nodes(mesh, places), first + cell, kNoBuilding};
+    if (is_top) return faces.add(Patch::kTop, face);
+    const auto [low, high] =
+        std::minmax({upper_vertex(mesh, places[0]), upper_vertex(mesh, places[1]),
+                     upper_vertex(mesh, places[2])});
+    sides.push_back({{low, high}, face});
+  });
   std::stable_sort(sides.begin(), sides.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   SidesOfDomain side_at(mesh.ground);
-  for (const auto& [edge, face] : sides)
-    faces.add(side_at.at(edge), {face->nodes, face->cell, kNoBuilding});
+  for (const auto& [edge, face] : sides) faces.add(side_at.at(edge), face);
 }
 
 /// Numbers the boundary's nodes in column order.
-SurfaceMesh number_faces(const ColumnMesh& mesh, const FaceLists& faces) {
+SurfaceMesh number_faces(const ColumnMesh& mesh, FaceLists faces) {
   constexpr std::int32_t unused = -1;
   std::vector<std::int32_t> number(static_cast<std::size_t>(mesh.node_count()), unused);
   std::size_t count = 0;
@@ -221,6 +220,7 @@ SurfaceMesh number_faces(const ColumnMesh& mesh, const FaceLists& faces) {
       surface.building.push_back(face.building);
       surface.cell.push_back(face.cell);
     }
+    faces.lists[i] = {};
   }
   return surface;
 }
@@ -236,7 +236,7 @@ SurfaceMesh extract_boundary(const ColumnMesh& mesh) {
   }
   if (!mesh.upper.empty()) add_upper(mesh, faces);
   if (mesh.layers.cells() > 0) add_prisms(mesh, cells.back(), faces);
-  return number_faces(mesh, faces);
+  return number_faces(mesh, std::move(faces));
 }
 
 std::size_t SurfaceFaces::quads_before(std::size_t i) const {

@@ -72,19 +72,19 @@ void require_passed_roofs(const ColumnMesh& mesh) {
 
 /// The shortest vertical edge of the upper part, whose cells have to be positive.
 double shortest_upper_edge(const ColumnMesh& mesh) {
-  const UpperNodes nodes(mesh);
+  const UpperMesh& upper = mesh.upper;
   double shortest = kInfinity;
-  for (const auto& cell : mesh.upper.cells) {
-    std::array<Point3, 4> p;
-    std::array<VertexIndex, 4> v;
-    for (std::size_t i = 0; i < 4; ++i) {
-      p[i] = nodes[cell[i]];
-      v[i] = nodes.vertex(cell[i]);
-      for (std::size_t j = 0; j < i; ++j)
-        if (v[i] == v[j]) shortest = std::min(shortest, std::abs(p[i][2] - p[j][2]));
+  for (std::size_t f = 0; f + 1 < upper.fans.size(); ++f) {
+    const UpperFan& fan = upper.fans[f];
+    const double z = upper_position(mesh, fan.node)[2];
+    if (fan.up.valid()) shortest = std::min(shortest, upper_position(mesh, fan.up)[2] - z);
+    for (std::size_t c = fan.cell; c < upper.fans[f + 1].cell; ++c) {
+      std::array<Point3, 4> p;
+      for (std::size_t i = 0; i < 4; ++i) p[i] = upper_position(mesh, upper.cell(f, c)[i]);
+      const double volume = dot(cross(minus(p[1], p[0]), minus(p[2], p[0])), minus(p[3], p[0]));
+      if (!(volume > 0 && volume < kInfinity))
+        throw_invalid(upper_vertex(mesh, fan.node), "a cell is inverted");
     }
-    const double volume = dot(cross(minus(p[1], p[0]), minus(p[2], p[0])), minus(p[3], p[0]));
-    if (!(volume > 0 && volume < kInfinity)) throw_invalid(v[0], "a cell is inverted");
   }
   return shortest;
 }
@@ -99,7 +99,7 @@ std::vector<CellIndex> cell_offsets(const ColumnMesh& mesh) {
     for (const VertexIndex v : mesh.ground.triangles[t])
       offsets[t + 1] += mesh.top(v) - mesh.floor_over(t, v);
   }
-  for (std::size_t left = mesh.upper.cells.size(); left > 0;) {
+  for (std::size_t left = mesh.upper.cells(); left > 0;) {
     const std::size_t block = std::min(left, kUpperBlock);
     offsets.push_back(offsets.back() + block);
     left -= block;

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 #include <tuple>
-#include <utility>
 
 #include "core/infinity.h"
 #include "core/parallel.h"
@@ -12,31 +12,132 @@ namespace tetropolis {
 
 namespace {
 
-/// The faces of a cell, their normals outwards.
+using Cell = UpperMesh::Cell;
+using Places = std::array<UpperPlace, 3>;
+
+constexpr std::size_t kFansPerChunk = 4096;
+
+/// The faces of a cell, their normals outwards: the third is its top. Of a cell of a fan that goes
+/// up the first is its bottom, and the others are between it and those before and after it.
 constexpr std::array<std::array<std::size_t, 3>, 4> kFaces{
     {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}};
+constexpr std::size_t kBottom = 0, kBefore = 1, kTop = 2, kAfter = 3;
 
-using Cell = std::array<NodeIndex, 4>;
-using Nodes = std::array<NodeIndex, 3>;
-
-constexpr std::size_t kPlacesPerChunk = 16384;
-
-Nodes nodes_of(const Cell& cell, std::size_t face) {
+Places face_of(const Cell& cell, std::size_t face) {
   const auto& corner = kFaces[face];
   return {cell[corner[0]], cell[corner[1]], cell[corner[2]]};
 }
 
-Nodes sorted(Nodes nodes) {
-  std::sort(nodes.begin(), nodes.end());
-  return nodes;
-}
+Places turned(const Places& p, std::size_t by) { return {p[by], p[(by + 1) % 3], p[(by + 2) % 3]}; }
 
-/// Twice the area in plan of a face, > 0 if it is seen from above. Exactly 0 on sides of the
-/// domain, where two nodes are over one vertex.
-double area_in_plan(const ColumnMesh& mesh, const UpperNodes& at, const Nodes& nodes) {
-  std::array<Point2, 3> p;
-  for (std::size_t i = 0; i < 3; ++i) p[i] = mesh.ground.vertices[at.vertex(nodes[i])];
-  return (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x);
+struct FanCell {
+  std::size_t fan, cell;
+};
+
+/// Finds cells by their tops.
+class CellTops {
+ public:
+  explicit CellTops(const ColumnMesh& mesh)
+      : upper_(mesh.upper), columns_(mesh.vertex_count()), fan_to_(upper_.nodes()) {
+    begin_.assign(columns_ + upper_.nodes() + 1, 0);
+    const auto for_each_at_end = [&](const auto& visit) {
+      for (std::size_t f = 0; f + 1 < upper_.fans.size(); ++f) {
+        if (upper_.fans[f].up.valid()) continue;
+        for (std::size_t c = upper_.fans[f].cell; c < upper_.fans[f + 1].cell; ++c) {
+          const Places top = face_of(upper_.cell(f, c), kTop);
+          visit(FanCell{f, c}, *std::max_element(top.begin(), top.end()));
+        }
+      }
+    };
+    for_each_at_end([&](const FanCell&, UpperPlace highest) { ++begin_[highest]; });
+    std::inclusive_scan(begin_.begin(), begin_.end(), begin_.begin());
+    at_ends_.resize(begin_.back());
+    for_each_at_end(
+        [&](const FanCell& cell, UpperPlace highest) { at_ends_[--begin_[highest]] = cell; });
+    for (std::size_t f = 0; f + 1 < upper_.fans.size(); ++f)
+      if (const UpperPlace up = upper_.fans[f].up; up.valid())
+        fan_to_[up - columns_] = static_cast<std::uint32_t>(f);
+  }
+
+  /// Counter-clockwise from above; nothing if it is on the lid.
+  std::optional<FanCell> find(const Places& top) const {
+    for (std::size_t i = 0; i < 3; ++i)
+      if (top[i] >= columns_)
+        if (const auto found = find_below(turned(top, i))) return found;
+    const UpperPlace highest = *std::max_element(top.begin(), top.end());
+    for (std::size_t i = begin_[highest]; i < begin_[highest + 1]; ++i) {
+      const Places other = face_of(upper_.cell(at_ends_[i].fan, at_ends_[i].cell), kTop);
+      if (other == top || other == turned(top, 1) || other == turned(top, 2)) return at_ends_[i];
+    }
+    return std::nullopt;
+  }
+
+ private:
+  /// Of the fan that goes up to the first corner.
+  std::optional<FanCell> find_below(const Places& top) const {
+    const std::size_t f = fan_to_[top[0] - columns_];
+    const UpperFan &fan = upper_.fans[f], &next = upper_.fans[f + 1];
+    const UpperPlace* const other = upper_.others.data() + fan.other;
+    for (std::size_t k = 0; k < next.cell - fan.cell; ++k)
+      if (other[k] == top[1] && other[k + 1] == top[2]) return FanCell{f, fan.cell + k};
+    return std::nullopt;
+  }
+
+  const UpperMesh& upper_;
+  std::size_t columns_;
+  std::vector<std::uint32_t> fan_to_;  // per node
+  // Per place and one more: where those begin whose fan ends and whose tops have no higher one.
+  std::vector<std::uint32_t> begin_;
+  std::vector<FanCell> at_ends_;
+};
+
+/// Calls visit(face) for the faces below and between the cells of fan f.
+template <typename Visit>
+void visit_faces_of(const UpperMesh& upper, const CellTops& tops, std::size_t f,
+                    const Visit& visit) {
+  const std::size_t first = upper.fans[f].cell, end = upper.fans[f + 1].cell;
+  const bool goes_up = upper.fans[f].up.valid();
+  const auto below = [&](std::size_t c, const Cell& cell, std::size_t face) {
+    const Places bottom = face_of(cell, face);
+    const auto found = tops.find({bottom[0], bottom[2], bottom[1]});
+    if (!found) return;
+    const Cell other = upper.cell(found->fan, found->cell);
+    if (c < found->cell)
+      visit(InnerFace{{c, found->cell}, {cell, other}, bottom});
+    else
+      visit(InnerFace{{found->cell, c}, {other, cell}, face_of(other, kTop)});
+  };
+  const auto between = [&](std::size_t c, std::size_t d, std::size_t face) {
+    const Cell cell = upper.cell(f, c);
+    visit(InnerFace{{c, d}, {cell, upper.cell(f, d)}, face_of(cell, face)});
+  };
+  if (goes_up) {
+    for (std::size_t c = first; c < end; ++c) {
+      below(c, upper.cell(f, c), kBottom);
+      if (c + 1 < end) between(c, c + 1, kAfter);
+    }
+    if (upper.others[upper.fans[f].other] == upper.others[upper.fans[f + 1].other - 1])
+      between(first, end - 1, kBefore);
+    return;
+  }
+  for (std::size_t c = first; c < end; ++c) {
+    const Cell cell = upper.cell(f, c);
+    for (const std::size_t face : {kBottom, kBefore, kAfter}) {
+      const Places own = face_of(cell, face);
+      const auto is_beyond = [&](std::size_t d) {
+        const Cell other = upper.cell(f, d);
+        for (const std::size_t back : {kBottom, kBefore, kAfter})
+          if (face_of(other, back) == Places{own[0], own[2], own[1]}) return true;
+        return false;
+      };
+      std::size_t d = first;
+      while (d < end && !is_beyond(d)) ++d;
+      if (d == end)
+        below(c, cell, face);
+      else if (d > c)
+        between(c, d, face);
+    }
+  }
 }
 
 }  // namespace
@@ -56,165 +157,62 @@ std::array<Point3, 4> uppermost_cell(const ColumnMesh& mesh, TriangleIndex t) {
   return p;
 }
 
-UpperNodes::UpperNodes(const ColumnMesh& mesh) : mesh_(mesh) {
-  const auto nodes = static_cast<std::size_t>(mesh.column_nodes());
-  VertexIndex v(0);
-  for (std::size_t n = 0; n < nodes; n += kBlock) {
-    while (mesh.first[v + 1] <= NodeIndex(n)) ++v;
-    first_of_block_.push_back(v);
-  }
-}
-
 std::size_t inner_face_chunks(const ColumnMesh& mesh) {
-  const std::size_t places = mesh.vertex_count() + mesh.upper.points.size();
-  return (places + kPlacesPerChunk - 1) / kPlacesPerChunk;
+  return (mesh.upper.fans.size() + kFansPerChunk - 1) / kFansPerChunk;
 }
 
-void visit_inner_faces(
-    const ColumnMesh& mesh,
-    const std::function<void(std::size_t, std::span<const UpperFaces::Inner>)>& visit) {
-  const auto& cells = mesh.upper.cells;
-  const CellIndex first = CellIndex(cell_offsets(mesh)[mesh.triangle_count()]);
-  const UpperNodes at(mesh);
-  // A face is looked for at its highest node: three of a cell at that of the cell, and the one
-  // without it at the second.
-  const auto two_highest = [](const Cell& cell) {
-    NodeIndex highest = std::max(cell[0], cell[1]), second = std::min(cell[0], cell[1]);
-    for (const NodeIndex n : {cell[2], cell[3]}) {
-      if (n > highest)
-        second = std::exchange(highest, n);
-      else if (n > second)
-        second = n;
-    }
-    return std::array{highest, second};
-  };
-  std::vector<std::uint32_t> begin(at.places() + 1, 0);
-  for (const Cell& cell : cells)
-    for (const NodeIndex n : two_highest(cell)) ++begin[at.place(n)];
-  std::inclusive_scan(begin.begin(), begin.end(), begin.begin());
-  std::vector<std::uint32_t> cells_at(2 * cells.size());
-  for (std::size_t c = cells.size(); c-- > 0;)
-    for (const NodeIndex n : two_highest(cells[c]))
-      cells_at[--begin[at.place(n)]] = static_cast<std::uint32_t>(c);
-
-  struct Half {
-    std::array<NodeIndex, 2> others;  // than the highest node, in ascending order
-    std::uint32_t cell;
-    std::uint32_t face;
-  };
-  parallel_chunks(at.places(), kPlacesPerChunk, [&](std::size_t place, std::size_t end) {
-    const std::size_t chunk = place / kPlacesPerChunk;
-    std::vector<Half> halves;
-    std::vector<UpperFaces::Inner> faces;
-    for (; place < end; ++place) {
-      halves.clear();
-      for (std::uint32_t i = begin[place]; i < begin[place + 1]; ++i) {
-        const Cell& cell = cells[cells_at[i]];
-        const auto [highest, second] = two_highest(cell);
-        const NodeIndex here = at.place(highest) == place ? highest : second;
-        for (std::uint32_t f = 0; f < 4; ++f) {
-          const Nodes n = nodes_of(cell, f);
-          const bool has_highest = n[0] == highest || n[1] == highest || n[2] == highest;
-          if (has_highest != (here == highest)) continue;
-          const auto [a, b] = n[0] == here   ? std::minmax(n[1], n[2])
-                              : n[1] == here ? std::minmax(n[0], n[2])
-                                             : std::minmax(n[0], n[1]);
-          halves.push_back({{a, b}, cells_at[i], f});
-        }
-      }
-      std::sort(halves.begin(), halves.end(), [](const Half& a, const Half& b) {
-        return std::tie(a.others, a.cell) < std::tie(b.others, b.cell);
-      });
-      for (std::size_t i = 0; i + 1 < halves.size(); ++i) {
-        const Half &half = halves[i], &next = halves[i + 1];
-        if (half.others != next.others) continue;
-        UpperFaces::Inner face;
-        face.cell = first + half.cell;
-        face.nodes = nodes_of(cells[half.cell], half.face);
-        face.neighbour = first + next.cell;
-        faces.push_back(face);
-        ++i;
-      }
-    }
-    visit(chunk, faces);
+void visit_inner_faces(const ColumnMesh& mesh,
+                       const std::function<void(std::size_t, const InnerFace&)>& visit) {
+  const UpperMesh& upper = mesh.upper;
+  if (upper.empty()) return;
+  const CellTops tops(mesh);
+  parallel_chunks(upper.fans.size() - 1, kFansPerChunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f)
+      visit_faces_of(upper, tops, f,
+                     [&](const InnerFace& face) { visit(begin / kFansPerChunk, face); });
   });
 }
 
 void visit_outer_faces(const ColumnMesh& mesh,
-                       const std::function<void(const UpperFace&, bool)>& visit) {
-  const auto& cells = mesh.upper.cells;
-  const CellIndex first = CellIndex(cell_offsets(mesh)[mesh.triangle_count()]);
-  const UpperNodes at(mesh);
-  std::vector<std::uint8_t> is_at_rim(mesh.vertex_count(), 0);
-  for (const EdgeIndex e : mesh.edges.vertices.indices())
-    if (mesh.edges.triangles[e][1] == kNoTriangle)
-      for (const VertexIndex v : mesh.edges.vertices[e]) is_at_rim[v] = 1;
+                       const std::function<void(std::size_t, const UpperMesh::Cell&,
+                                                const std::array<UpperPlace, 3>&, bool)>& visit) {
+  const UpperMesh& upper = mesh.upper;
+  const auto z = [&](UpperPlace p) { return elevation(mesh, upper_node(mesh, p)); };
   double top = -kInfinity;
-  for (const Point3& p : mesh.upper.points) top = std::max(top, p[2]);
-  for (const VertexIndex v : mesh.ground.vertices.indices())
-    top = std::max(top, mesh.z[mesh.top(v)]);
-  const auto is_at_top = [&](NodeIndex n) {
-    return (n < mesh.column_nodes() ? mesh.z[n] : at[n][2]) == top;
-  };
-  // Over the rim there are faces between cells, too.
-  struct AtRim {
-    Nodes sorted;
-    UpperFace face;
-  };
-  std::vector<AtRim> rim;
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    std::array<bool, 4> tops{}, rims{};
-    for (std::size_t i = 0; i < 4; ++i) {
-      tops[i] = is_at_top(cells[c][i]);
-      rims[i] = is_at_rim[at.vertex(cells[c][i])] != 0;
+  for (std::int32_t p = 0; p < std::ssize(upper.z) + std::ssize(mesh.ground.vertices); ++p)
+    top = std::max(top, z(UpperPlace(p)));
+  for (std::size_t f = 0; f + 1 < upper.fans.size(); ++f) {
+    const UpperFan &fan = upper.fans[f], &next = upper.fans[f + 1];
+    for (std::size_t c = fan.cell; c < next.cell; ++c) {
+      const Cell cell = upper.cell(f, c);
+      const Places places = face_of(cell, kTop);
+      if (z(places[2]) == top && z(places[0]) == top && z(places[1]) == top)
+        visit(c, cell, places, true);
     }
-    for (std::size_t f = 0; f < 4; ++f) {
-      const auto& corner = kFaces[f];
-      const auto all = [&](const std::array<bool, 4>& is) {
-        return is[corner[0]] && is[corner[1]] && is[corner[2]];
-      };
-      const UpperFace face{first + c, nodes_of(cells[c], f)};
-      if (all(tops))
-        visit(face, true);
-      else if (all(rims))
-        rim.push_back({sorted(face.nodes), face});
-    }
-  }
-  std::sort(rim.begin(), rim.end(), [](const AtRim& a, const AtRim& b) {
-    return std::tie(a.sorted, a.face.cell) < std::tie(b.sorted, b.face.cell);
-  });
-  for (std::size_t i = 0; i < rim.size(); ++i) {
-    if (i + 1 < rim.size() && rim[i + 1].sorted == rim[i].sorted)
-      ++i;
-    else if (area_in_plan(mesh, at, rim[i].face.nodes) == 0)  // else it is on the lid
-      visit(rim[i].face, false);
+    if (!fan.up.valid() || upper.others[fan.other] == upper.others[next.other - 1]) continue;
+    // Columns at the rim do not end.
+    const Cell first = upper.cell(f, fan.cell), last = upper.cell(f, next.cell - 1);
+    visit(fan.cell, first, face_of(first, kBefore), false);
+    visit(next.cell - 1, last, face_of(last, kAfter), false);
   }
 }
 
-UpperFaces upper_faces(const ColumnMesh& mesh, bool with_inner) {
-  UpperFaces faces;
-  if (with_inner) {
-    std::vector<std::vector<UpperFaces::Inner>> parts(inner_face_chunks(mesh));
-    visit_inner_faces(mesh, [&](std::size_t chunk, std::span<const UpperFaces::Inner> inner) {
-      parts[chunk].assign(inner.begin(), inner.end());
-    });
-    faces.inner.reserve(2 * mesh.upper.cells.size());
-    for (std::vector<UpperFaces::Inner>& part : parts) {
-      faces.inner.insert(faces.inner.end(), part.begin(), part.end());
-      part = {};
-    }
-    parallel_sort(faces.inner.begin(), faces.inner.end(), [](const auto& a, const auto& b) {
-      return std::tie(a.cell, a.neighbour) < std::tie(b.cell, b.neighbour);
-    });
-  }
-  visit_outer_faces(mesh, [&](const UpperFace& face, bool is_top) {
-    (is_top ? faces.top : faces.sides).push_back(face);
+std::vector<UpperFace> upper_faces(const ColumnMesh& mesh) {
+  const CellIndex first = cell_offsets(mesh)[mesh.triangle_count()];
+  std::vector<std::vector<UpperFace>> parts(inner_face_chunks(mesh));
+  visit_inner_faces(mesh, [&](std::size_t chunk, const InnerFace& face) {
+    const auto& [cell, neighbour] = face.cells;
+    parts[chunk].push_back({first + cell, first + neighbour, upper_nodes(mesh, face.places)});
   });
-  const auto by_cell = [](const UpperFace& a, const UpperFace& b) {
-    return std::tie(a.cell, a.nodes) < std::tie(b.cell, b.nodes);
-  };
-  std::sort(faces.top.begin(), faces.top.end(), by_cell);
-  std::sort(faces.sides.begin(), faces.sides.end(), by_cell);
+  std::vector<UpperFace> faces;
+  faces.reserve(2 * mesh.upper.cells());
+  for (std::vector<UpperFace>& part : parts) {
+    faces.insert(faces.end(), part.begin(), part.end());
+    part = {};
+  }
+  parallel_sort(faces.begin(), faces.end(), [](const UpperFace& a, const UpperFace& b) {
+    return std::tie(a.cell, a.neighbour) < std::tie(b.cell, b.neighbour);
+  });
   return faces;
 }
 

@@ -152,13 +152,12 @@ class FaceSums {
 }  // namespace
 
 void add_upper_quality(const ColumnMesh& mesh, std::size_t worst, MeshQuality& quality) {
-  const UpperNodes at(mesh);
-  const CellIndex first = cell_offsets(mesh)[mesh.triangle_count()];
-  const auto corners = [&](std::size_t cell) {
-    const auto& c = mesh.upper.cells[cell];
-    return Corners{at[c[0]], at[c[1]], at[c[2]], at[c[3]]};
+  const UpperMesh& upper = mesh.upper;
+  const auto corners = [&](const UpperMesh::Cell& cell) {
+    const auto at = [&](std::size_t i) { return upper_position(mesh, cell[i]); };
+    return Corners{at(0), at(1), at(2), at(3)};
   };
-  const std::size_t cells = mesh.upper.cells.size();
+  const std::size_t cells = upper.cells();
   constexpr std::size_t kBlock = 16384;
   const std::size_t blocks = (cells + kBlock - 1) / kBlock;
   const std::size_t grain = grain_of_chunks(blocks, 16);  // each has a histogram
@@ -169,8 +168,8 @@ void add_upper_quality(const ColumnMesh& mesh, std::size_t worst, MeshQuality& q
     std::vector<Corners> here;
     for (; block < end; ++block) {
       here.clear();
-      for (std::size_t c = block * kBlock; c < std::min((block + 1) * kBlock, cells); ++c)
-        here.push_back(corners(c));
+      upper.for_each_cell(block * kBlock, std::min((block + 1) * kBlock, cells),
+                          [&](const UpperMesh::Cell& cell) { here.push_back(corners(cell)); });
       add_cells(here, own_worst, own);
     }
     own.worst = own_worst.cells();
@@ -188,27 +187,29 @@ void add_upper_quality(const ColumnMesh& mesh, std::size_t worst, MeshQuality& q
   }
   quality.cells.worst = all.cells();
 
-  const auto centre = [&](CellIndex c) {
-    return centre_of(corners(static_cast<std::size_t>(c - first)));
-  };
-  const auto points = [&](const std::array<NodeIndex, 3>& n) {
-    return std::array<Point3, 3>{at[n[0]], at[n[1]], at[n[2]]};
+  const auto centre = [&](const UpperMesh::Cell& cell) { return centre_of(corners(cell)); };
+  const auto points = [&](const std::array<UpperPlace, 3>& p) {
+    const auto at = [&](std::size_t i) { return upper_position(mesh, p[i]); };
+    return std::array<Point3, 3>{at(0), at(1), at(2)};
   };
   std::vector<FaceSums> parts(inner_face_chunks(mesh));
-  visit_inner_faces(mesh, [&](std::size_t chunk, std::span<const UpperFaces::Inner> inner) {
-    for (const UpperFaces::Inner& face : inner)
-      parts[chunk].add(points(face.nodes), centre(face.cell), centre(face.neighbour));
+  visit_inner_faces(mesh, [&](std::size_t chunk, const InnerFace& face) {
+    parts[chunk].add(points(face.places), centre(face.corners[0]), centre(face.corners[1]));
   });
   FaceSums faces;
   for (const FaceSums& part : parts) faces.add(part);
-  visit_outer_faces(mesh, [&](const UpperFace& face, bool) {
-    faces.add_boundary(points(face.nodes), centre(face.cell));
-  });
+  visit_outer_faces(
+      mesh, [&](std::size_t, const UpperMesh::Cell& cell, const std::array<UpperPlace, 3>& places,
+                bool) { faces.add_boundary(points(places), centre(cell)); });
+  const CellIndex first = cell_offsets(mesh)[mesh.triangle_count()];
   for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     if (!mesh.is_covered(t)) continue;
     const auto& v = mesh.ground.triangles[t];
-    faces.add(points({mesh.top(v[0]), mesh.top(v[1]), mesh.top(v[2])}),
-              centre_of(uppermost_cell(mesh, t)), centre(mesh.upper.over_lid[t]));
+    const auto above = static_cast<std::size_t>(upper.over_lid[t] - first);
+    upper.for_each_cell(above, above + 1, [&](const UpperMesh::Cell& cell) {
+      const auto end = [&](std::size_t i) { return UpperPlace(v[i].value()); };
+      faces.add(points({end(0), end(1), end(2)}), centre_of(uppermost_cell(mesh, t)), centre(cell));
+    });
   }
   FaceQuality& result = quality.faces;
   result.faces += faces.quality().faces;

@@ -3,9 +3,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <utility>
 #include <vector>
+
+#include "tetropolis/core/error.h"
 
 #include "core/parallel.h"
 #include "core/sort_once.h"
@@ -24,68 +25,78 @@ constexpr int kMostRounds = 6;
 
 using FrontPhases = std::vector<std::vector<FrontSteps>>;
 
-/// Per column, and one more: where its own begin.
-template <typename Count>
-std::vector<std::int64_t> offsets(const FrontPhases& phases, std::size_t columns,
-                                  const Count& count) {
-  std::vector<std::int64_t> begin(columns + 1, 0);
-  for (const std::vector<FrontSteps>& parts : phases)
-    for (const FrontSteps& part : parts)
-      for (const FrontStep& step : part.steps) begin[step.vertex + 1] += count(step);
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  return begin;
-}
-
-/// Nodes and cells are numbered column by column and upwards, as those below: what is near has
-/// numbers that are.
+/// Nodes, fans and cells are numbered column by column and upwards, as those below: what is near
+/// has numbers that are.
 UpperMesh mesh_of(FrontPhases phases, const ColumnMesh& mesh) {
   const std::size_t columns = mesh.vertex_count();
-  const auto first_point =
-      offsets(phases, columns, [](const FrontStep& step) { return step.is_end() ? 0 : 1; });
-  const auto first_cell =
-      offsets(phases, columns, [](const FrontStep& step) { return step.cells(); });
+  // Per column, and one more: where its own begin.
+  struct Counts {
+    std::uint32_t nodes = 0, fans = 0, cells = 0, others = 0;
+  };
+  std::vector<Counts> first(columns + 1);
+  std::size_t others = 0;  // the greatest of all
+  for (const std::vector<FrontSteps>& parts : phases)
+    for (const FrontSteps& part : parts)
+      for (const FrontStep& step : part.steps) {
+        Counts& after = first[step.vertex + 1];
+        after.nodes += step.is_end() ? 0 : 1;
+        ++after.fans;
+        after.cells += static_cast<std::uint32_t>(step.cells());
+        after.others += static_cast<std::uint32_t>(step.others());
+        others += static_cast<std::size_t>(step.others());
+      }
+  if (others > std::numeric_limits<std::uint32_t>::max())
+    throw Error(ErrorKind::kUsage,
+                "the mesh would have more than three billion cells above the buildings; raise "
+                "mesh_size or lower domain_height");
+  for (std::size_t v = 0; v < columns; ++v) {
+    const Counts& before = first[v];
+    Counts& after = first[v + 1];
+    after.nodes += before.nodes;
+    after.fans += before.fans;
+    after.cells += before.cells;
+    after.others += before.others;
+  }
+  const Counts all = first.back();
   UpperMesh upper;
-  upper.points.resize(static_cast<std::size_t>(first_point.back()));
-  upper.vertex.resize(upper.points.size());
-  upper.cells.resize(static_cast<std::size_t>(first_cell.back()));
+  if (all.fans == 0) return upper;
+  upper.z.resize(all.nodes);
+  upper.vertex.resize(all.nodes);
+  upper.fans.resize(all.fans + std::size_t{1});
+  upper.fans.back() = {UpperPlace::none(), UpperPlace::none(), all.cells, all.others};
+  upper.others.resize(all.others);
   upper.over_lid.assign(mesh.triangle_count(), kNoCell);
-  const std::int64_t lowest = cell_offsets(mesh).back().value();
-  // Where columns are: nodes above the lid, and the cell that is next.
-  std::vector<std::int32_t> nth(columns, 0);
-  std::vector<std::int64_t> next(first_cell.begin(), first_cell.end() - 1);
-  const auto node = [&](VertexIndex v) {
-    if (nth[v] == 0) return mesh.top(v);
-    return NodeIndex(mesh.column_nodes() + first_point[v] + nth[v] - 1);
+  const CellIndex lowest = cell_offsets(mesh).back();
+  std::vector<Counts> next(first.begin(), first.end() - 1);
+  const auto place = [&](VertexIndex v) {
+    if (next[v].nodes == first[v].nodes) return UpperPlace(v.value());
+    return UpperPlace(columns + next[v].nodes - 1);
   };
   const auto take = [&](const FrontSteps& part) {
-    const VertexIndex* others = part.others.data();
+    const VertexIndex* other = part.others.data();
     for (const FrontStep& step : part.steps) {
       const VertexIndex v = step.vertex;
-      const NodeIndex own = node(v);
-      const auto add = [&](VertexIndex a, VertexIndex b, NodeIndex last) {
-        upper.cells[static_cast<std::size_t>(next[v]++)] = {own, node(a), node(b), last};
-      };
-      if (step.is_end()) {
-        for (std::int32_t k = 0; k < step.others(); k += 3)
-          add(others[k], others[k + 1], node(others[k + 2]));
-      } else {
-        const auto point = static_cast<std::size_t>(first_point[v] + nth[v]++);
-        const Point2 p = mesh.ground.vertices[v];
-        upper.points[point] = {p.x, p.y, step.to};
-        upper.vertex[point] = v;
-        for (std::int32_t k = 0; k < step.around; ++k) add(others[k], others[k + 1], node(v));
-      }
-      others += step.others();
+      Counts& own = next[v];
+      UpperFan& fan = upper.fans[own.fans++];
+      fan = {place(v), UpperPlace::none(), own.cells, own.others};
+      own.cells += static_cast<std::uint32_t>(step.cells());
+      for (std::int32_t k = 0; k < step.others(); ++k) upper.others[own.others++] = place(*other++);
+      if (step.is_end()) continue;
+      upper.z[own.nodes] = step.to;
+      upper.vertex[own.nodes++] = v;
+      fan.up = place(v);
     }
     for (const CoveredTriangle& covered : part.covered)
-      upper.over_lid[covered.triangle] =
-          CellIndex(lowest + first_cell[covered.vertex] + covered.nth);
+      upper.over_lid[covered.triangle] = lowest + first[covered.vertex].cells + covered.nth;
   };
   for (std::vector<FrontSteps>& parts : phases)
     parallel_in_order(parts.size(), [&](std::size_t i) {
       take(parts[i]);
       parts[i] = {};
     });
+  for (std::size_t f = 0; f + 1 < upper.fans.size(); ++f)
+    while (upper.fan_of_block.size() * UpperMesh::kBlock < upper.fans[f + 1].cell)
+      upper.fan_of_block.push_back(static_cast<std::uint32_t>(f));
   return upper;
 }
 

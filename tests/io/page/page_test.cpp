@@ -140,7 +140,7 @@ TEST(Page, HoldsPrisms) {
     EXPECT_EQ(page.facts()["cells"], cell_offsets(mesh).back().value() + mesh.layers.cells());
     EXPECT_EQ(page.facts()["layers"], 4);
     EXPECT_EQ(page.facts()["whole"], whole);
-    const std::size_t above = mesh.upper.points.size();
+    const std::size_t above = mesh.upper.nodes();
     EXPECT_EQ(page.numbers("z").size() + above, static_cast<std::size_t>(mesh.node_count()));
     EXPECT_EQ(page.numbers("upperRise").size(), above);
     EXPECT_TRUE(!whole || page.numbers("odd").empty());

@@ -145,15 +145,16 @@ TEST(PageUpper, MakesTheCellsOfTheMesh) {
       const std::vector<double> z = rounded(mesh);
       const PageUpper told = page_upper(mesh, z);
       const Climbed climbed = climb(mesh, z, told);
-      ASSERT_EQ(climbed.z.size(), mesh.upper.points.size());
+      ASSERT_EQ(climbed.z.size(), mesh.upper.nodes());
       for (std::size_t i = 0; i < climbed.z.size(); ++i)
-        ASSERT_EQ(climbed.z[i], page_steps(mesh.upper.points[i][2]));
+        ASSERT_EQ(climbed.z[i], page_steps(mesh.upper.z[i]));
       std::multiset<Cell> cells;
-      for (const auto& nodes : mesh.upper.cells) {
-        Cell cell{nodes[0].value(), nodes[1].value(), nodes[2].value(), nodes[3].value()};
+      mesh.upper.for_each_cell(0, mesh.upper.cells(), [&](const UpperMesh::Cell& places) {
+        const auto node = [&](std::size_t i) { return upper_node(mesh, places[i]).value(); };
+        Cell cell{node(0), node(1), node(2), node(3)};
         std::sort(cell.begin(), cell.end());
         cells.insert(cell);
-      }
+      });
       EXPECT_TRUE(climbed.cells == cells);
       // Some columns end, and most steps are taken when they are expected.
       EXPECT_GT(told.splits.size(), 0U);

@@ -154,7 +154,7 @@ void expect_conforming(const ColumnMesh& mesh, const ColumnPlan& plan) {
   for (const TriangleIndex t : mesh.ground.triangles.indices())
     for (const InternalFace& face : below.owned_over(t))
       expect_next(face.owner, face.neighbour, values(face.nodes, 3));
-  for (const UpperFaces::Inner& face : upper_faces(mesh).inner)
+  for (const UpperFace& face : upper_faces(mesh))
     expect_next(face.cell, face.neighbour, values(face.nodes, 3));
   for (const PrismFace& face : prism_faces(mesh, cells.back()))
     expect_next(face.owner, face.neighbour, values(face.nodes, face.corners));

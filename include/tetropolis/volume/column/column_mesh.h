@@ -62,7 +62,7 @@ struct ColumnMesh {
   /// Of columns, of the upper part and of layers.
   std::int64_t node_count() const { return first_layer_node().value() + layers.nodes(); }
   NodeIndex first_layer_node() const {
-    return NodeIndex(column_nodes() + static_cast<std::int64_t>(upper.points.size()));
+    return NodeIndex(column_nodes() + static_cast<std::int64_t>(upper.nodes()));
   }
   std::int64_t column_nodes() const { return first.back().value(); }
   /// Whether prisms lie below the stack over triangle t.
@@ -110,7 +110,18 @@ struct ColumnMesh {
 };
 
 /// Cells of the upper part in a block of cell_offsets(), and points in one of point_rows().
-inline constexpr std::size_t kUpperBlock = 64;
+inline constexpr std::size_t kUpperBlock = UpperMesh::kBlock;
+
+/// Ends of columns and nodes of the upper part.
+inline NodeIndex upper_node(const ColumnMesh& mesh, UpperPlace p) {
+  const std::size_t columns = mesh.vertex_count();
+  if (p < columns) return mesh.top(VertexIndex(p.value()));
+  return NodeIndex(mesh.column_nodes()) + (std::size_t{p} - columns);
+}
+inline VertexIndex upper_vertex(const ColumnMesh& mesh, UpperPlace p) {
+  const std::size_t columns = mesh.vertex_count();
+  return p < columns ? VertexIndex(p.value()) : mesh.upper.vertex[p - columns];
+}
 
 /// The cells over triangle t are [offsets[t], offsets[t + 1]), upwards. After those of all
 /// triangles come those of the upper part, in blocks: T + 1 offsets, and one more for each block.
@@ -120,7 +131,7 @@ std::vector<CellIndex> cell_offsets(const ColumnMesh& mesh);
 /// Rows of nodes: one per ground vertex, then one per block of the upper part, and one per vertex
 /// of the layers.
 inline std::size_t point_rows(const ColumnMesh& mesh) {
-  return mesh.vertex_count() + (mesh.upper.points.size() + kUpperBlock - 1) / kUpperBlock +
+  return mesh.vertex_count() + (mesh.upper.nodes() + kUpperBlock - 1) / kUpperBlock +
          mesh.layers.vertices.size();
 }
 
@@ -182,7 +193,7 @@ inline double elevation(const ColumnMesh& mesh, NodeIndex n) {
   if (n < mesh.column_nodes()) return mesh.z[n];
   const std::int64_t below = n - mesh.first_layer_node();
   if (below >= 0) return mesh.layers.z[static_cast<std::size_t>(below)];
-  return mesh.upper.points[static_cast<std::size_t>(n.value() - mesh.column_nodes())][2];
+  return mesh.upper.z[static_cast<std::size_t>(n.value() - mesh.column_nodes())];
 }
 
 /// What fronts order a column's segments by, here the one from node n up: twice the level of its
@@ -265,10 +276,12 @@ void for_each_tet_over(const ColumnMesh& mesh, TriangleIndex t, const Visit& vis
 template <typename Visit>
 void for_each_tet_of(const ColumnMesh& mesh, std::size_t row, const Visit& visit) {
   if (row < mesh.triangle_count()) return for_each_tet_over(mesh, TriangleIndex(row), visit);
-  const auto& cells = mesh.upper.cells;
   const std::size_t begin = (row - mesh.triangle_count()) * kUpperBlock;
-  const std::size_t end = std::min(begin + kUpperBlock, cells.size());
-  for (std::size_t c = begin; c < end; ++c) visit(cells[c]);
+  const std::size_t end = std::min(begin + kUpperBlock, mesh.upper.cells());
+  mesh.upper.for_each_cell(begin, end, [&](const UpperMesh::Cell& cell) {
+    const auto node = [&](std::size_t i) { return upper_node(mesh, cell[i]); };
+    visit(std::array<NodeIndex, 4>{node(0), node(1), node(2), node(3)});
+  });
 }
 
 /// The building below the cells of a row of cell_offsets(); kNoBuilding in the upper part.
@@ -286,10 +299,10 @@ void for_each_point_of(const ColumnMesh& mesh, std::size_t row, const Visit& vis
     for (const NodeIndex n : mesh.nodes(v)) visit(n, Point3{p.x, p.y, mesh.z[n]});
     return;
   }
-  const auto& points = mesh.upper.points;
+  const UpperMesh& upper = mesh.upper;
   const std::size_t begin = (row - mesh.vertex_count()) * kUpperBlock;
-  const std::size_t end = std::min(begin + kUpperBlock, points.size());
-  if (begin >= points.size()) {
+  const std::size_t end = std::min(begin + kUpperBlock, upper.nodes());
+  if (begin >= upper.nodes()) {
     const PrismLayers& layers = mesh.layers;
     const VertexIndex v = layers.vertices[row + layers.vertices.size() - point_rows(mesh)];
     const Point2 p = mesh.ground.vertices[v];
@@ -298,8 +311,10 @@ void for_each_point_of(const ColumnMesh& mesh, std::size_t row, const Visit& vis
       visit(layer_node(mesh, v, k), Point3{p.x, p.y, z[k]});
     return;
   }
-  for (std::size_t i = begin; i < end; ++i)
-    visit(NodeIndex(mesh.column_nodes()) + static_cast<std::int64_t>(i), points[i]);
+  for (std::size_t i = begin; i < end; ++i) {
+    const Point2 p = mesh.ground.vertices[upper.vertex[i]];
+    visit(NodeIndex(mesh.column_nodes()) + i, Point3{p.x, p.y, upper.z[i]});
+  }
 }
 
 /// The building below prism i of layers.cells(), or kNoBuilding.
