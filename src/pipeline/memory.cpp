@@ -19,6 +19,9 @@ namespace {
 constexpr double kProgram = 80e6;
 constexpr double kPerTriangle = 600;
 constexpr double kPerCell = 2;
+/// Of a mesh with a lid. 1 to 8 are measured on 3 to 29 million; the rest is room, for below mesh
+/// sizes of 3 m there are half as many cells again as kLayersToLid tells.
+constexpr double kPerCellWithLid = 48;
 /// Points while they are sorted into the terrain: besides its nodes 18 to 20 bytes on 12 and 6
 /// million, with classes and without, and some room.
 constexpr double kPerPoint = 26;
@@ -44,7 +47,8 @@ constexpr double kLayersToLid = 9;
 
 double bytes_of(const MeshCityOptions& options, double triangles, double cells,
                 double terrain_nodes) {
-  double bytes = kProgram + 8 * terrain_nodes + kPerTriangle * triangles + kPerCell * cells;
+  double bytes = kProgram + 8 * terrain_nodes + kPerTriangle * triangles +
+                 (ends_at_lid(options) ? kPerCellWithLid : kPerCell) * cells;
   if (solves_laplace(options)) bytes += kPerSolverNode * cells / 6;
   return bytes;
 }
