@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <tuple>
+#include <numeric>
 #include <utility>
 
 #include "tetropolis/core/row_major.h"
@@ -82,22 +82,35 @@ void add_interior(const Polygon& footprint, double step, PlanarGraph& graph) {
 }
 
 std::vector<std::array<CellNumber, 3>> neighbours_of(const Triangulation& mesh) {
+  struct Side {
+    VertexIndex high;
+    CellNumber cell;
+    std::size_t edge;
+  };
+  const auto for_each_side = [&](const auto& visit) {
+    for (std::size_t c = 0; c < mesh.triangles.size(); ++c)
+      for (std::size_t e = 0; e < 3; ++e) {
+        const auto [low, high] =
+            std::minmax(mesh.triangles[c][(e + 1) % 3], mesh.triangles[c][(e + 2) % 3]);
+        visit(low, Side{high, static_cast<CellNumber>(c), e});
+      }
+  };
+  // By the lower end, of which there are few.
+  std::vector<std::size_t> end(mesh.points.size() + 1, 0);
+  for_each_side([&](VertexIndex low, const Side&) { ++end[low + 1]; });
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  std::vector<std::size_t> begin = end;
+  std::vector<Side> sides(end.back());
   std::vector<std::array<CellNumber, 3>> result(mesh.triangles.size(), {-1, -1, -1});
-  std::vector<std::tuple<std::int32_t, std::int32_t, CellNumber, int>> edges;
-  for (std::size_t c = 0; c < mesh.triangles.size(); ++c)
-    for (int e = 0; e < 3; ++e) {
-      const std::int32_t a = mesh.triangles[c][(e + 1) % 3].value();
-      const std::int32_t b = mesh.triangles[c][(e + 2) % 3].value();
-      edges.emplace_back(std::min(a, b), std::max(a, b), static_cast<CellNumber>(c), e);
+  for_each_side([&](VertexIndex low, const Side& side) {
+    for (std::size_t i = begin[low]; i < end[low]; ++i) {
+      if (sides[i].high != side.high) continue;
+      result[index(side.cell)][side.edge] = sides[i].cell;
+      result[index(sides[i].cell)][sides[i].edge] = side.cell;
+      return;
     }
-  std::sort(edges.begin(), edges.end());
-  for (std::size_t k = 0; k + 1 < edges.size(); ++k) {
-    const auto& [a, b, c, e] = edges[k];
-    const auto& [p, q, d, f] = edges[k + 1];
-    if (a != p || b != q) continue;
-    result[index(c)][static_cast<std::size_t>(e)] = d;
-    result[index(d)][static_cast<std::size_t>(f)] = c;
-  }
+    sides[end[low]++] = side;
+  });
   return result;
 }
 
@@ -173,7 +186,9 @@ void fill_gaps(RoofCells& cells) {
 
 /// Cells whose centre is in a member are its; others fill gaps.
 void assign_members(const RoofInput& input, RoofCells& cells) {
-  cells.member.assign(cells.size(), -1);
+  const bool is_alone = input.members.size() == 1;
+  cells.member.assign(cells.size(), is_alone ? 0 : -1);
+  if (is_alone) return;
   for (std::size_t m = 0; m < input.members.size(); ++m) {
     const Bounds2 box = bounds(*input.members[m]);
     for (std::size_t c = 0; c < cells.size(); ++c) {
