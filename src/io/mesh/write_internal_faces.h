@@ -46,11 +46,14 @@ void write_internal_faces(AtomicFile& file, const ColumnMesh& mesh, const CellFa
           for (const InternalFace& face : in_columns.owned_over(t)) append(face, buffer);
       },
       progress);
+  const CellIndex first = faces.cells[mesh.triangle_count()];
   write_chunked(file, faces.in_upper.size(), kRows,
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
                   for (std::size_t f = begin; f < end; ++f) {
                     const UpperFace& face = faces.in_upper[f];
-                    append(InternalFace{face.cell, face.neighbour, face.nodes}, buffer);
+                    append(InternalFace{first + face.cell, first + face.neighbour,
+                                        upper_nodes(mesh, face.places)},
+                           buffer);
                   }
                 });
   write_chunked(file, faces.between_prisms.size(), kRows,

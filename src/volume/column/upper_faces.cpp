@@ -198,11 +198,10 @@ void visit_outer_faces(const ColumnMesh& mesh,
 }
 
 std::vector<UpperFace> upper_faces(const ColumnMesh& mesh) {
-  const CellIndex first = cell_offsets(mesh)[mesh.triangle_count()];
   std::vector<std::vector<UpperFace>> parts(inner_face_chunks(mesh));
   visit_inner_faces(mesh, [&](std::size_t chunk, const InnerFace& face) {
-    const auto& [cell, neighbour] = face.cells;
-    parts[chunk].push_back({first + cell, first + neighbour, upper_nodes(mesh, face.places)});
+    const auto cell = [&](std::size_t i) { return static_cast<std::uint32_t>(face.cells[i]); };
+    parts[chunk].push_back({cell(0), cell(1), face.places});
   });
   std::vector<UpperFace> faces;
   faces.reserve(2 * mesh.upper.cells());

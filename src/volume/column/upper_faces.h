@@ -42,14 +42,14 @@ void visit_outer_faces(const ColumnMesh& mesh,
                        const std::function<void(std::size_t, const UpperMesh::Cell&,
                                                 const std::array<UpperPlace, 3>&, bool)>& visit);
 
-/// A face between two cells of the upper part, as those of the mesh: its normal (right-hand rule)
+/// A face between two cells, which count from 0 in the upper part: its normal (right-hand rule)
 /// leaves `cell` for `neighbour`, and cell < neighbour.
 struct UpperFace {
-  CellIndex cell, neighbour;
-  std::array<NodeIndex, 3> nodes;
+  std::uint32_t cell, neighbour;
+  std::array<UpperPlace, 3> places;
 };
 
-/// By cell, then by neighbour. Time and memory linear in the upper part: 160 bytes per cell.
+/// By cell, then by neighbour. Time and memory linear in the upper part: 80 bytes per cell.
 std::vector<UpperFace> upper_faces(const ColumnMesh& mesh);
 
 /// The nodes of the mesh at some places.

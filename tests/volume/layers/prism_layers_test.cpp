@@ -154,8 +154,10 @@ void expect_conforming(const ColumnMesh& mesh, const ColumnPlan& plan) {
   for (const TriangleIndex t : mesh.ground.triangles.indices())
     for (const InternalFace& face : below.owned_over(t))
       expect_next(face.owner, face.neighbour, values(face.nodes, 3));
+  const CellIndex first = cells[mesh.triangle_count()];
   for (const UpperFace& face : upper_faces(mesh))
-    expect_next(face.cell, face.neighbour, values(face.nodes, 3));
+    expect_next(first + face.cell, first + face.neighbour,
+                values(upper_nodes(mesh, face.places), 3));
   for (const PrismFace& face : prism_faces(mesh, cells.back()))
     expect_next(face.owner, face.neighbour, values(face.nodes, face.corners));
   EXPECT_EQ(expected, inner.end());

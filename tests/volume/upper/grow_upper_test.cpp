@@ -111,8 +111,9 @@ TEST(GrowUpper, ConformsAndFillsTheDomain) {
       for (const TriangleIndex t : mesh.ground.triangles.indices())
         for (const InternalFace& face : below.owned_over(t))
           expect_next(face.owner, face.neighbour, face.nodes);
+      const CellIndex first = cells[mesh.triangle_count()];
       for (const UpperFace& face : upper_faces(mesh))
-        expect_next(face.cell, face.neighbour, face.nodes);
+        expect_next(first + face.cell, first + face.neighbour, upper_nodes(mesh, face.places));
       EXPECT_EQ(expected, inner.end());
 
       double volume = 0, expected_volume = 0;
