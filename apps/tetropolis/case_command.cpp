@@ -174,6 +174,9 @@ void add_case_options(CLI::App& command, CaseArguments& arguments) {
   openfoam(number("--building-roughness", options.building_roughness,
                   "Roughness length of roofs and walls [m], 0: smooth"));
   openfoam(number("--leaf-drag", options.leaf_drag, "Drag coefficient of leaves in canopies"));
+  openfoam(command.add_flag_callback(
+      "--no-leaf-turbulence", [&] { options.leaf_turbulence = false; },
+      "Leaves make and destroy no turbulence: for an OpenFOAM without kEpsilonLopesdaCosta"));
   openfoam(number("--sample-height", options.sample_height,
                   "Where the wind is sampled, above the ground [m]"));
   openfoam(number("--sample-spacing", options.sample_spacing, "Spacing of the points there [m]"));

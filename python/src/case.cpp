@@ -57,8 +57,9 @@ nb::list case_openfoam(const std::filesystem::path& folder, double speed,
                        const std::vector<std::array<double, 3>>& levels, double height,
                        double roughness, double ground,
                        const std::map<std::string, double>& patches, double building,
-                       double leaf_drag, double sample_height, double sample_spacing,
-                       int iterations, const std::string& dialect, bool overwrite) {
+                       double leaf_drag, bool leaf_turbulence, double sample_height,
+                       double sample_spacing, int iterations, const std::string& dialect,
+                       bool overwrite) {
   OpenfoamCaseOptions options;
   options.wind = wind_of(speed, several ? 0 : from.at(0), height, roughness);
   for (const std::array<double, 3>& level : levels)
@@ -73,6 +74,7 @@ nb::list case_openfoam(const std::filesystem::path& folder, double speed,
   for (const auto& [patch, value] : patches) options.patch_roughness[patch] = value;
   options.building_roughness = building;
   options.leaf_drag = leaf_drag;
+  options.leaf_turbulence = leaf_turbulence;
   options.sample_height = sample_height;
   options.sample_spacing = sample_spacing;
   options.iterations = iterations;
@@ -105,8 +107,8 @@ void bind_case(nb::module_& module) {
              nb::arg("wind_from"), nb::arg("several"), nb::arg("wind_profile"),
              nb::arg("wind_height"), nb::arg("roughness"), nb::arg("ground_roughness"),
              nb::arg("patch_roughness"), nb::arg("building_roughness"), nb::arg("leaf_drag"),
-             nb::arg("sample_height"), nb::arg("sample_spacing"), nb::arg("iterations"),
-             nb::arg("dialect"), nb::arg("overwrite"));
+             nb::arg("leaf_turbulence"), nb::arg("sample_height"), nb::arg("sample_spacing"),
+             nb::arg("iterations"), nb::arg("dialect"), nb::arg("overwrite"));
   module.def("case_fenicsx", case_fenicsx, nb::arg("folder"), nb::arg("wind_speed"),
              nb::arg("wind_from"), nb::arg("overwrite"));
 }

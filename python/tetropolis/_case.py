@@ -14,7 +14,8 @@ def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5,
                   wind_profile: Iterable[tuple[float, float, float]] = (), wind_height: float = 10,
                   roughness: float = 0.5, ground_roughness: float = 0,
                   patch_roughness: Mapping[str, float] | None = None, building_roughness: float = 0.01,
-                  leaf_drag: float = 0.2, sample_height: float = 1.75, sample_spacing: float = 2, iterations: int = 500,
+                  leaf_drag: float = 0.2, leaf_turbulence: bool = True, sample_height: float = 1.75,
+                  sample_spacing: float = 2, iterations: int = 500,
                   dialect: Literal["com", "org"] = "com", overwrite: bool = False) -> dict[str, Any] | list[dict[str, Any]]:
     """Makes a folder with a mesh for OpenFOAM a case of wind that its `Allrun` solves.
 
@@ -39,6 +40,8 @@ def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5,
         That of roofs and walls; 0: smooth.
     leaf_drag : float
         Drag coefficient of the leaves in canopies.
+    leaf_turbulence : bool
+        Whether they make and destroy turbulence, too; for dialect 'com'.
     sample_height, sample_spacing : float
         Where people feel the wind, above the ground, and the spacing of points there, metres.
     iterations : int
@@ -67,7 +70,8 @@ def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5,
     cases = _core.case_openfoam(Path(folder), wind_speed, winds, several,
                                 [(float(z), float(u), float(k)) for z, u, k in wind_profile], wind_height,
                                 roughness, ground_roughness, dict(patch_roughness or {}), building_roughness,
-                                leaf_drag, sample_height, sample_spacing, iterations, dialect, overwrite)
+                                leaf_drag, leaf_turbulence, sample_height, sample_spacing, iterations, dialect,
+                                overwrite)
     return cases if several else cases[0]
 
 

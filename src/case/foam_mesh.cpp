@@ -109,7 +109,21 @@ std::optional<double> number_after(const std::string& text, const std::string& w
   return value;
 }
 
-std::vector<FoamCanopy> read_canopies(const fs::path& path) {
+/// Numbers of cells up to the first word that is none.
+std::vector<std::int32_t> labels_in(const char* at, const char* end, std::size_t cell_count) {
+  std::vector<std::int32_t> labels;
+  for (;;) {
+    at += std::strspn(at, " \t\r\n");
+    std::int32_t label = -1;
+    const auto read = std::from_chars(at, end, label);
+    if (read.ec != std::errc() || label < 0 || static_cast<std::size_t>(label) >= cell_count)
+      return labels;
+    labels.push_back(label);
+    at = read.ptr;
+  }
+}
+
+std::vector<FoamCanopy> read_canopies(const fs::path& path, std::size_t cell_count) {
   std::error_code error;
   if (!fs::exists(path, error)) return {};
   const FoamFile file(path);
@@ -130,11 +144,13 @@ std::vector<FoamCanopy> read_canopies(const fs::path& path) {
     const auto density = number_after(body, "leafAreaDensity");
     const auto cells = number_after(body, "List<label>");
     if (!density || !cells) continue;
-    if (!(*density > 0) || !std::isfinite(*density) || !(*cells >= 0 && *cells < 1e10))
-      fail(path, fmt::format("the zone {} is changed", text.substr(begin, end - begin)));
-    if (*cells > 0)
-      canopies.push_back(
-          {text.substr(begin, end - begin), *density, static_cast<std::size_t>(*cells)});
+    FoamCanopy canopy{text.substr(begin, end - begin), *density, {}};
+    if (const std::size_t list = body.find('(', body.find("List<label>")); list != body.npos)
+      canopy.cells = labels_in(body.c_str() + list + 1, body.c_str() + body.size(), cell_count);
+    if (!(*density > 0) || !std::isfinite(*density) ||
+        static_cast<double>(canopy.cells.size()) != *cells)
+      fail(path, fmt::format("the zone {} is changed", canopy.name));
+    if (!canopy.cells.empty()) canopies.push_back(std::move(canopy));
   }
   return canopies;
 }
@@ -227,7 +243,7 @@ FoamMesh read_foam_mesh(const fs::path& folder) {
     for (const std::int32_t cell : *cells)
       mesh.cell_count = std::max(mesh.cell_count, static_cast<std::size_t>(std::max(cell, 0)) + 1);
   mesh.patches = read_patches(folder / "boundary");
-  mesh.canopies = read_canopies(folder / "cellZones");
+  mesh.canopies = read_canopies(folder / "cellZones", mesh.cell_count);
   require_consistent(folder, mesh);
   return mesh;
 }

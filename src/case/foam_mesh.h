@@ -26,8 +26,8 @@ struct FoamPatch {
 /// A zone of leaves.
 struct FoamCanopy {
   std::string name;
-  double leaf_area_density = 0;  ///< [1/m], > 0.
-  std::size_t cells = 0;         ///< > 0.
+  double leaf_area_density = 0;     ///< [1/m], > 0.
+  std::vector<std::int32_t> cells;  ///< One or more.
 };
 
 struct FoamMesh {

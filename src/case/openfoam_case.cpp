@@ -21,6 +21,7 @@
 #include "foam_mesh.h"
 #include "geometry/vec3.h"
 #include "io/file/atomic_file.h"
+#include "leaf_marks.h"
 #include "openfoam_texts.h"
 #include "rose_texts.h"
 #include "sample_points.h"
@@ -453,15 +454,21 @@ pedestrian
   return text + "            );\n        }\n    );\n}\n";
 }
 
-std::string turbulence_model(const std::string& object, bool is_org) {
-  // sigmaEps keeps the profile in balance with kappa 0.4: kappa^2 / ((C2 - C1) sqrt(Cmu)).
-  const double sigma = kKarman * kKarman / ((1.92 - 1.44) * std::sqrt(kCmu));
+constexpr double kC1 = 1.44, kC2 = 1.92, kSigmaK = 1;
+
+/// Keeps the profile in balance with kappa 0.4: kappa^2 / ((C2 - C1) sqrt(Cmu)).
+double sigma_epsilon() { return kKarman * kKarman / ((kC2 - kC1) * std::sqrt(kCmu)); }
+
+/// `leaves`: with sources of k and epsilon in them.
+std::string turbulence_model(const std::string& object, bool is_org, bool leaves) {
   return head("dictionary", object) +
          fmt::format(
-             "simulationType  RAS;\n\nRAS\n{{\n    {}        kEpsilon;\n    turbulence      on;\n"
-             "    printCoeffs     on;\n    kEpsilonCoeffs {{ Cmu {}; C1 1.44; C2 1.92; sigmak 1.0; "
+             "simulationType  RAS;\n\nRAS\n{{\n    {}        {};\n    turbulence      on;\n"
+             "    printCoeffs     on;\n    {}Coeffs {{ Cmu {}; C1 {}; C2 {}; sigmak {:.1f}; "
              "sigmaEps {:.4f}; }}\n}}\n",
-             is_org ? "model   " : "RASModel", kCmu, sigma);
+             is_org ? "model   " : "RASModel", leaves ? "kEpsilonLopesdaCosta" : "kEpsilon",
+             leaves ? "kEpsilonLopesdaCosta" : "kEpsilon", kCmu, kC1, kC2, kSigmaK,
+             sigma_epsilon());
 }
 
 std::function<std::string()> known(std::string text) {
@@ -499,24 +506,78 @@ std::string drag(const OpenfoamCaseOptions& options, const FoamMesh& mesh,
   return text;
 }
 
+/// Where leaves are sources of k and epsilon.
+std::vector<LeafMarks> marks_of(const OpenfoamCaseOptions& options, const FoamMesh& mesh) {
+  if (!options.leaf_turbulence || options.dialect != FoamDialect::kCom) return {};
+  return mark_leaves(mesh);
+}
+
+std::string marks_name(std::size_t i) { return fmt::format("leaves_{}.obj", i + 1); }
+
+/// The sources for kEpsilonLopesdaCosta. That finds them in the porosity of the same author, with
+/// Cd 0 here, whose cells are those right below a surface: marks over their centres.
+std::string leaf_sources(const OpenfoamCaseOptions& options, const std::vector<LeafMarks>& marks) {
+  std::string text;
+  for (std::size_t i = 0; i < marks.size(); ++i)
+    text += fmt::format(R"(leaves_{0}  // k and epsilon where the leaf area density is {1} 1/m
+{{
+    type            explicitPorositySource;
+    explicitPorositySourceCoeffs
+    {{
+        selectionMode   all;
+        type            powerLawLopesdaCosta;
+        Sigma           constant {1};
+        CdSigma         {2};
+        betap           1;
+        betad           4;
+        C4              1.5;
+        C5              1.5;
+        powerLawLopesdaCostaCoeffs
+        {{
+            Cd              0;  // drag is above
+            C1              2;
+            zDir            (0 0 1);
+            searchSpan      {3};
+            topSurface      {4};
+            groundPatches   (ground);
+            coordinateSystem
+            {{
+                type    cartesian;
+                origin  (0 0 0);
+                coordinateRotation {{ type axesRotation; e1 (1 0 0); e2 (0 1 0); }}
+            }}
+        }}
+    }}
+}}
+)",
+                        i + 1, marks[i].leaf_area_density, options.leaf_drag, 2 * kMarkHeight,
+                        marks_name(i));
+  return text;
+}
+
+constexpr const char* kSurfaces = "constant/triSurface/";
 constexpr const char* kFvOptions = "constant/fvOptions";
 constexpr const char* kFvModels = "constant/fvModels";
 
-/// What an earlier case has for canopies that this one has not.
-void remove_drag(const fs::path& folder) {
+/// What an earlier case has for canopies that this one has not, which has `marks` surfaces.
+void remove_leaves(const fs::path& folder, const FoamMesh& mesh, std::size_t marks) {
+  std::error_code error;
+  while (fs::remove(folder / kSurfaces / marks_name(marks++), error)) {
+  }
+  if (!mesh.canopies.empty()) return;
   for (const char* name : {kFvOptions, kFvModels}) {
     std::string line;
     if (std::ifstream file(folder / name); !file || !std::getline(file, line)) continue;
-    std::error_code error;
     if (line.starts_with(kFirstWords)) fs::remove(folder / name, error);
   }
 }
 
 /// A case but for Allrun; `points` as for control.
 void add_files_of(const FoamMesh& mesh, const OpenfoamCaseOptions& options, const Fields& fields,
-                  const char* points, const std::string& into, std::vector<CaseFile>& files) {
+                  const std::vector<LeafMarks>& marks, const char* points, const std::string& into,
+                  std::vector<CaseFile>& files) {
   const bool is_org = options.dialect == FoamDialect::kOrg;
-  const auto add = [&](const char* name, std::function<std::string()> text) {
+  const auto add = [&](const std::string& name, std::function<std::string()> text) {
     files.emplace_back(into + name, std::move(text));
   };
   add("0/U", [&] { return fields.velocity(); });
@@ -527,14 +588,18 @@ void add_files_of(const FoamMesh& mesh, const OpenfoamCaseOptions& options, cons
   add("constant/transportProperties",
       known(head("dictionary", "transportProperties") +
             "transportModel  Newtonian;\nnu              1.5e-05;\n"));
-  add("constant/turbulenceProperties", known(turbulence_model("turbulenceProperties", is_org)));
+  add("constant/turbulenceProperties",
+      known(turbulence_model("turbulenceProperties", is_org, !marks.empty())));
   add("system/controlDict", known(control(options, points)));
   add("system/fvSchemes", known(head("dictionary", "fvSchemes") + foam_texts::kFvSchemes));
   add("system/fvSolution", known(head("dictionary", "fvSolution") + foam_texts::kFvSolution));
-  if (!mesh.canopies.empty()) add(kFvOptions, known(drag(options, mesh, "fvOptions")));
+  if (!mesh.canopies.empty())
+    add(kFvOptions, known(drag(options, mesh, "fvOptions") + leaf_sources(options, marks)));
+  for (std::size_t i = 0; i < marks.size(); ++i)
+    add(kSurfaces + marks_name(i), [&surface = marks[i].surface] { return surface; });
   if (!is_org) return;
   if (!mesh.canopies.empty()) add(kFvModels, known(drag(options, mesh, "fvModels")));
-  add("constant/momentumTransport", known(turbulence_model("momentumTransport", true)));
+  add("constant/momentumTransport", known(turbulence_model("momentumTransport", true, false)));
   add("constant/physicalProperties",
       known(head("dictionary", "physicalProperties") +
             "viscosityModel  constant;\nnu              1.5e-05;\n"));
@@ -630,8 +695,7 @@ OpenfoamCase facts_of(const FoamMesh& mesh, const Fields& fields, const SamplePo
       result.sides.push_back({p.patch->name, p.role});
   look_at_ground(mesh, fields, result);
   result.canopies = std::ssize(mesh.canopies);
-  for (const FoamCanopy& canopy : mesh.canopies)
-    result.canopy_cells += static_cast<std::int64_t>(canopy.cells);
+  for (const FoamCanopy& canopy : mesh.canopies) result.canopy_cells += std::ssize(canopy.cells);
   result.samples = static_cast<std::int64_t>(samples.points.size());
   result.sample_spacing = samples.spacing;
   return result;
@@ -646,13 +710,14 @@ OpenfoamCase write_openfoam_case(const fs::path& folder, const OpenfoamCaseOptio
   const Fields fields(mesh, places, options);
   const SamplePoints samples =
       sample_points(mesh, places.town, options.sample_height, options.sample_spacing);
+  const std::vector<LeafMarks> marks = marks_of(options, mesh);
   std::vector<CaseFile> files;
-  add_files_of(mesh, options, fields, "pedestrian", "", files);
+  add_files_of(mesh, options, fields, marks, "pedestrian", "", files);
   add_shared_files(options, samples, files);
   // The last: a folder with it is a whole case.
   files.emplace_back("Allrun", known(allrun(options, "wind.py")));
   write_case_files(folder, files, options.overwrite);
-  if (mesh.canopies.empty()) remove_drag(folder);
+  remove_leaves(folder, mesh, marks.size());
   let_run(folder / "Allrun");
   return facts_of(mesh, fields, samples);
 }
@@ -686,6 +751,7 @@ std::vector<OpenfoamCase> write_openfoam_cases(const fs::path& folder,
   const Places places(mesh);
   const SamplePoints samples =
       sample_points(mesh, places.town, options.sample_height, options.sample_spacing);
+  const std::vector<LeafMarks> marks = marks_of(options, mesh);
   std::vector<Fields> fields;
   fields.reserve(winds.size());
   std::vector<CaseFile> files;
@@ -693,7 +759,7 @@ std::vector<OpenfoamCase> write_openfoam_cases(const fs::path& folder,
   for (const OpenfoamCaseOptions& wind : winds) {
     const std::string into = folder_of_wind(wind.wind.from) + "/";
     fields.emplace_back(mesh, places, wind);
-    add_files_of(mesh, wind, fields.back(), "../../system/pedestrian", into, files);
+    add_files_of(mesh, wind, fields.back(), marks, "../../system/pedestrian", into, files);
     files.emplace_back(into + "Allrun", known(allrun(options, "../wind.py .")));
   }
   files.emplace_back("rose.py", known(replaced(foam_texts::kRosePy, {{"@WINDS@", names}})));
@@ -705,7 +771,7 @@ std::vector<OpenfoamCase> write_openfoam_cases(const fs::path& folder,
   let_run(folder / "Allrun");
   std::vector<OpenfoamCase> results;
   for (std::size_t i = 0; i < winds.size(); ++i) {
-    if (mesh.canopies.empty()) remove_drag(folder / folder_of_wind(winds[i].wind.from));
+    remove_leaves(folder / folder_of_wind(winds[i].wind.from), mesh, marks.size());
     let_run(folder / folder_of_wind(winds[i].wind.from) / "Allrun");
     results.push_back(facts_of(mesh, fields[i], samples));
   }

@@ -425,6 +425,18 @@ def check_canopies(program, folder):
         assert options.exists() == (folder_of == case)
         if options.exists():  # 2 Cd LAD
             assert re.findall(r"\bf +\((\S+)", options.read_text()) == ["0.4", "0.28"], options.read_text()
+            # A mark right above the centre of each cell of leaves, by density.
+            assert re.findall(r"Sigma +constant (\S+);\s+CdSigma +(\S+);", options.read_text()) == [("0.7", "0.2"), ("1", "0.2")]
+            for i, name in (1, "canopy_2"), (2, "canopy_1"):
+                text = (folder_of / f"constant/triSurface/leaves_{i}.obj").read_text()
+                corner = [list(map(float, row.split()[1:])) for row in text.splitlines() if row.startswith("v ")]
+                assert len(corner) == 3 * len(zones[name]) == 3 * text.count("\nf "), name
+                for c, three in zip(zones[name], zip(corner[0::3], corner[1::3], corner[2::3])):
+                    centre = [sum(at[p][k] for p in corners[c]) / 4 for k in range(3)]
+                    assert len(corners[c]) == 4 and all(abs(centre[k] - sum(p[k] for p in three) / 3) < 2e-4
+                                                        for k in (0, 1)), (name, c)
+                    assert all(4e-4 < p[2] - centre[2] < 6e-4 for p in three), (name, c)
+        assert ("kEpsilonLopesdaCosta" in (folder_of / "constant/turbulenceProperties").read_text()) == options.exists()
         if not shutil.which("simpleFoam"):
             continue
         checked = run("checkMesh", "-case", folder_of, env={"WM_PROJECT_DIR": "/usr/share/openfoam", **os.environ})
@@ -437,11 +449,17 @@ def check_canopies(program, folder):
             means.setdefault(name, []).append(sum(speeds) / len(speeds))
     run(program, "case", "openfoam", case, "--dialect", "org", "--leaf-drag", 0.1, "--overwrite")
     assert re.findall(r"\bf +\((\S+)", (case / "constant/fvModels").read_text()) == ["0.2", "0.14"]
+    assert not (case / "constant/triSurface/leaves_1.obj").exists()  # tried for openfoam.com alone
+    run(program, "case", "openfoam", case, "--overwrite", "--no-leaf-turbulence")
+    assert "leaves" not in (case / "constant/fvOptions").read_text()
+    run(program, "case", "openfoam", case, "--overwrite")
+    assert (case / "constant/triSurface/leaves_2.obj").exists()
     # A case without canopies that replaces one has no drag.
     for name in ("cellZones",):
         (case / "constant/polyMesh" / name).unlink()
     run(program, "case", "openfoam", case, "--overwrite")
     assert not (case / "constant/fvOptions").exists() and not (case / "constant/fvModels").exists()
+    assert not list(case.glob("constant/triSurface/*"))
     if not means:
         return SKIPPED
     print({name: f"{slow:.2f} m/s for {plain:.2f}" for name, (slow, plain) in means.items()})

@@ -31,6 +31,7 @@ struct OpenfoamCaseOptions {
       {"water", 0.0002}, {"road", 0.005}, {"vegetation", 0.1}};
   double building_roughness = 0.01;  ///< Of roofs and walls [m]; 0: smooth.
   double leaf_drag = 0.2;            ///< Drag coefficient Cd of leaves in canopies.
+  bool leaf_turbulence = true;       ///< Whether they make and destroy turbulence, too (kCom).
   double sample_height = 1.75;       ///< Where people feel the wind, above the ground [m], among
                                      ///< the buildings and one height of the highest around them.
   double sample_spacing = 2;         ///< Of the points there [m], or more: 400,000 points at most.
@@ -69,10 +70,15 @@ struct OpenfoamCase {
 /// face by its height above the ground below. Zones of leaves (write_openfoam) take momentum by the
 /// drag -Cd LAD |U| U per volume and density (Wilson & Shaw, A higher order closure model for
 /// canopy flow, J. Appl. Meteorol. 16, 1977; Cd 0.2: Katul et al., One- and two-equation models for
-/// canopy turbulence, Boundary-Layer Meteorol. 113, 2004). Each file appears complete or not at
-/// all; the mesh is not touched. Errors: kUsage for options out of range, and for files that are
-/// there unless `overwrite`; kInput for a mesh that is missing or is none, and files that cannot be
-/// written.
+/// canopy turbulence, Boundary-Layer Meteorol. 113, 2004). They are sources of k, too, Cd LAD
+/// (|U|^3
+/// - 4 |U| k), and of epsilon, 1.5 epsilon / k times that (Green, Modelling turbulent air flow in a
+/// stand of widely-spaced trees, PHOENICS J. 5, 1992), by OpenFOAM's kEpsilonLopesdaCosta. Sanz (A
+/// note on k-epsilon modelling of vegetation canopy air-flows, Boundary-Layer Meteorol. 108, 2003)
+/// derives 6.5 and 1.5 for Cmu = 0.09: with these, k and epsilon do not settle. Each file appears
+/// complete or not at all; the mesh is not touched. Errors: kUsage for options out of range, and
+/// for files that are there unless `overwrite`; kInput for a mesh that is missing or is none, and
+/// files that cannot be written.
 OpenfoamCase write_openfoam_case(const std::filesystem::path& folder,
                                  const OpenfoamCaseOptions& options);
 
