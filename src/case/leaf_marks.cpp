@@ -32,7 +32,8 @@ std::unordered_map<std::int32_t, Cell> cells_of(const FoamMesh& mesh) {
   const auto for_each_side = [&](const auto& visit) {
     for (std::size_t f = 0; f < mesh.faces(); ++f) {
       const auto owner = cells.find(mesh.owner[f]);
-      const auto neighbour = f < mesh.neighbour.size() ? cells.find(mesh.neighbour[f]) : cells.end();
+      const auto neighbour =
+          f < mesh.neighbour.size() ? cells.find(mesh.neighbour[f]) : cells.end();
       if (owner == cells.end() && neighbour == cells.end()) continue;
       const FaceGeometry face = face_geometry(mesh, f);
       if (owner != cells.end()) visit(owner->second, face);

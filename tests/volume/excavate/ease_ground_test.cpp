@@ -121,8 +121,8 @@ struct UprightFaces {
       double extent = 0.4 * std::abs((mx - here[0]) * ey - (my - here[1]) * ex) / length;
       for (const double end : {-0.5, 0.5})
         for (const double level : {-0.25, 0.25})
-          extent = std::max(extent, std::abs(along * end * length +
-                                             up * (end * (z[b] - z[a]) + level)) / off);
+          extent = std::max(
+              extent, std::abs(along * end * length + up * (end * (z[b] - z[a]) + level)) / off);
       skewness_at_walls = std::max(skewness_at_walls, off / extent);
     }
   }
