@@ -312,13 +312,13 @@ SurfaceTopology check_topology(const SurfaceMesh& surface) {
       for (std::size_t i = 0; i < 3; ++i) {
         const std::int32_t a = triangle[i], b = triangle[(i + 1) % 3];
         visit(end[static_cast<std::size_t>(std::min(a, b))],
-              2 * std::int64_t{std::max(a, b)} + (a < b ? 1 : 0));
+              2 * static_cast<std::uint32_t>(std::max(a, b)) + (a < b ? 1U : 0U));
       }
   };
-  for_each_half_edge([](std::size_t& count, std::int64_t) { ++count; });
+  for_each_half_edge([](std::size_t& count, std::uint32_t) { ++count; });
   std::exclusive_scan(end.begin(), end.end(), end.begin(), std::size_t{0});
-  std::vector<std::int64_t> halves(3 * surface.triangles.size());
-  for_each_half_edge([&](std::size_t& next, std::int64_t half) { halves[next++] = half; });
+  std::vector<std::uint32_t> halves(3 * surface.triangles.size());
+  for_each_half_edge([&](std::size_t& next, std::uint32_t half) { halves[next++] = half; });
   SurfaceTopology result;
   std::size_t i = 0;
   for (const std::size_t last : end) {
