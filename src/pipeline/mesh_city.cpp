@@ -70,6 +70,10 @@ CitySize size_of(const MeshCityOptions& options, const CityModel& city, const Ra
 /// Prisms on steep ground are sheared: from this slope on 5 % of the terrain on, degrees.
 constexpr double kSteepForPrisms = 36;
 
+/// Where layers are far thinner than those below or beside them the centres of prisms lie far off,
+/// and faces are skewed: prisms' least share of the ladder's spacing, and least wall, metres.
+constexpr double kGapOfPrisms = 0.5, kWallOfPrisms = 2;
+
 /// The slope, in degrees, that 95 % of the terrain's squares in the domain do not exceed.
 double steep_slope(const Raster& dtm, const Domain& domain) {
   constexpr std::size_t kBins = 900;
@@ -106,6 +110,8 @@ MeshCityOptions for_prisms(MeshCityOptions options, const CityModel& city, const
   const double slope = steep_slope(terrain, city.domain);
   if (slope <= kSteepForPrisms) {
     options.layering = Layering::kUniform;
+    options.min_gap_share = std::max(options.min_gap_share, kGapOfPrisms);
+    options.min_wall_height = std::max(options.min_wall_height, kWallOfPrisms);
     return options;
   }
   options.cells = Cells::kTets;
