@@ -144,6 +144,19 @@ TEST(Page, HoldsPrisms) {
     EXPECT_EQ(page.numbers("z").size() + above, static_cast<std::size_t>(mesh.node_count()));
     EXPECT_EQ(page.numbers("upperRise").size(), above);
     EXPECT_TRUE(!whole || page.numbers("odd").empty());
+    // Of the first column, whose nodes are told as what they are off even ones by.
+    const std::vector<std::int32_t> z = page.numbers("z");
+    const VertexIndex corner(0);
+    ASSERT_GE(mesh.layers.position[corner], 0);
+    ASSERT_EQ(mesh.floors_at(corner).size(), 1U);
+    const std::int64_t told = 4 + (whole ? mesh.top(corner) - mesh.first[corner] : 0);
+    const std::int32_t end = z[static_cast<std::size_t>(told)], rise = whole ? end - z[0] : end;
+    for (std::int64_t k = 0; k < 4; ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      const double even = z[0] + static_cast<double>(rise * k) / static_cast<double>(told);
+      const auto place = static_cast<std::size_t>(mesh.layers.position[corner]) * 4 + at;
+      EXPECT_NEAR(0.001 * (even + (k > 0 ? z[at] : 0)), mesh.layers.z[place], 0.0026);
+    }
   }
 }
 
