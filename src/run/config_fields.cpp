@@ -577,8 +577,8 @@ std::vector<ConfigField> make_fields() {
        .group = "Mesh",
        .member = &C::min_wall_height,
        .commands = kMeshing,
-       .help = "Minimum height of a wall; where the terrain leaves less, the ground at the wall is "
-               "lowered",
+       .help = "Minimum height of a wall (prisms: 2 at least); where the terrain leaves less, the "
+               "ground at the wall is lowered",
        .unit = "m",
        .min = 0.01,
        .max = 1000},
@@ -595,7 +595,9 @@ std::vector<ConfigField> make_fields() {
        .group = "Mesh",
        .member = &C::min_gap_share,
        .commands = kMeshing,
-       .help = "Uniform: minimum vertical edge of a cell, as a share of the even spacing",
+       .help = "Uniform: minimum vertical edge of a cell, as a share of the even spacing (prisms: "
+               "0.5 at "
+               "least)",
        .min = 0.001,
        .max = 0.9},
       {.name = "solver_tolerance",
