@@ -100,27 +100,21 @@ double steep_slope(const Raster& dtm, const Domain& domain) {
   return 0;
 }
 
-MeshCityOptions below_tets(MeshCityOptions options) {
-  options.cells = Cells::kTets;
-  if (options.boundary_layers.count == 0) options.boundary_layers.count = kLayersBelowPrisms;
-  return options;
-}
-
 /// Options for cells that are prisms, or tets where the terrain is too steep for them.
 MeshCityOptions for_prisms(MeshCityOptions options, const CityModel& city, const Raster& terrain,
                            std::vector<Warning>& warnings) {
   if (options.cells != Cells::kPrisms) return options;
   if (options.top != Top::kFlat)
     throw Error(ErrorKind::kUsage, "cells: prisms need a flat top; set top = \"flat\"");
+  if (options.boundary_layers.count == 0) options.boundary_layers.count = kLayersBelowPrisms;
   const double slope = steep_slope(terrain, city.domain);
   if (slope <= kSteepForPrisms) {
-    if (options.boundary_layers.count == 0) options.boundary_layers.count = kLayersBelowPrisms;
     options.layering = Layering::kUniform;
     options.min_gap_share = std::max(options.min_gap_share, kGapOfPrisms);
     options.min_wall_height = std::max(options.min_wall_height, kWallOfPrisms);
     return options;
   }
-  options = below_tets(std::move(options));
+  options.cells = Cells::kTets;
   warnings.push_back(
       {"too_steep_for_prisms", 1,
        fmt::format("cells = prisms: 5 % of the terrain is steeper than {:.0f} degrees (at most {} "
@@ -349,8 +343,9 @@ double find_scale(const MeshCityOptions& options, const CityModel& city, const S
   return best;
 }
 
-/// Prisms whatever their faces are like.
-CityMesh mesh_once(const CityModel& city, Raster terrain, const MeshCityOptions& given,
+}  // namespace
+
+CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions& given,
                    const StepHooks& hooks) {
   CityMesh result;
   StepClock clock(hooks, result.steps);
@@ -455,29 +450,6 @@ CityMesh mesh_once(const CityModel& city, Raster terrain, const MeshCityOptions&
               [&](const Progress&) { result.zones = zone_cells(result.volume, options.canopies); });
   warn_of_canopies(result.zones, result.warnings);
   result.placement.origin = {origin.x, origin.y, 0};
-  return result;
-}
-
-}  // namespace
-
-CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions& given,
-                   const StepHooks& hooks) {
-  if (given.cells != Cells::kPrisms) return mesh_once(city, std::move(terrain), given, hooks);
-  CityMesh result = mesh_once(city, terrain, given, hooks);
-  const PrismQuality prisms = result.volume_facts.prisms;
-  if (!result.volume.layers.whole || is_within(prisms, {kMostNonOrthogonal, kMostSkewed}))
-    return result;
-  std::vector<StepTime> steps = std::move(result.steps);
-  result = {};  // before the other takes memory
-  result = mesh_once(city, std::move(terrain), below_tets(given), hooks);
-  result.steps.insert(result.steps.begin(), steps.begin(), steps.end());
-  result.warnings.push_back(
-      {"too_steep_for_prisms", 1,
-       fmt::format("cells = prisms: faces of prisms would be up to {:.1f} degrees non-orthogonal "
-                   "and have a skewness up to {:.1f} (at most {} and {} are meant); the mesh has "
-                   "layers of prisms below tets instead",
-                   prisms.max_non_orthogonality_deg, prisms.max_skewness, kMostNonOrthogonal,
-                   kMostSkewed)});
   return result;
 }
 

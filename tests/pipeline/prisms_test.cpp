@@ -148,24 +148,6 @@ TEST(Prisms, GiveWayToTetsOnSteepTerrain) {
             1);
 }
 
-TEST(Prisms, GiveWayToTetsWhereFacesWouldBeBad) {
-  // A cliff of 10 m, on 1 % of the terrain.
-  const testing::SmallCity cliff =
-      testing::small_city([](double x, double) { return 10 * std::clamp(x - 62, 0.0, 1.0); });
-  const CityMesh kept = mesh_of(cliff, Cells::kPrisms, 0, 90);
-  EXPECT_FALSE(kept.volume.layers.whole);
-  EXPECT_EQ(kept.volume.layers.count, 5);
-  EXPECT_GT(kept.volume_facts.cells, kept.volume_facts.prisms.cells);
-  ASSERT_FALSE(kept.warnings.empty());
-  EXPECT_EQ(kept.warnings.back().code, "too_steep_for_prisms");
-  EXPECT_NE(kept.warnings.back().message.find("faces of prisms"), std::string::npos);
-  const CityMesh tets = mesh_of(cliff, Cells::kTets, 5, 90);
-  EXPECT_EQ(kept.volume.z, tets.volume.z);
-  EXPECT_EQ(kept.warnings.size(), tets.warnings.size() + 1);
-  EXPECT_GT(kept.steps.size(), tets.steps.size());
-  EXPECT_TRUE(mesh_of(cliff, Cells::kPrisms).volume.layers.whole);
-}
-
 TEST(Prisms, CutBackPits) {
   const testing::SmallCity pit = testing::small_city([](double x, double y) {
     return -7 * std::clamp((8 - std::max(std::abs(x - 62), std::abs(y - 40))) / 3, 0.0, 1.0);
