@@ -228,6 +228,7 @@ TEST(Refine, EdgesAtSegmentsWithABoundOfTheirOwn) {
 // Segments that are cut where they cross, or nearly end on one another, leave dead ones behind.
 TEST(Refine, BoundsOfSegmentsThatCross) {
   Random random(17);
+  int refused = 0;
   for (int i = 0; i < 100; ++i) {
     PlanarGraph graph;
     add_ring(graph, rectangle_ring(-10, -10, 110, 110));
@@ -246,12 +247,19 @@ TEST(Refine, BoundsOfSegmentsThatCross) {
       const double off = 100 * 0x1p-46 * (i % 7 - 3);
       add(anywhere(), {a.x + t * (b.x - a.x) + off, a.y + t * (b.y - a.y)});
     }
-    const Triangulation t =
-        refine(graph, {.min_angle_deg = 20, .max_edge = 50, .max_vertices = 200'000});
+    Triangulation t;
+    try {
+      t = refine(graph, {.min_angle_deg = 20, .max_edge = 50, .max_vertices = 200'000});
+    } catch (const Error& error) {  // Lines a picometre apart may take millions.
+      EXPECT_NE(std::string(error.what()).find("more than 200000 vertices"), std::string::npos);
+      ++refused;
+      continue;
+    }
     // Of angles nothing is promised where input is finer than its coordinates.
     EXPECT_EQ(lines(validate(graph, {.min_angle_deg = 0, .max_edge = 50}, t)), "")
         << i << ", seed " << testing::test_seed();
   }
+  EXPECT_LE(refused, 2);
 }
 
 TEST(Refine, HolesStayEmptyAndTheirSidesAreKept) {
