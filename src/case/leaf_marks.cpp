@@ -59,6 +59,7 @@ std::unordered_map<std::int32_t, Cell> cells_of(const FoamMesh& mesh) {
 }  // namespace
 
 std::vector<LeafMarks> mark_leaves(const FoamMesh& mesh) {
+  if (mesh.canopies.empty()) return {};
   const std::unordered_map<std::int32_t, Cell> cells = cells_of(mesh);
   std::map<double, std::vector<std::int32_t>> by_density;
   for (const FoamCanopy& canopy : mesh.canopies) {

@@ -461,13 +461,13 @@ double sigma_epsilon() { return kKarman * kKarman / ((kC2 - kC1) * std::sqrt(kCm
 
 /// `leaves`: with sources of k and epsilon in them.
 std::string turbulence_model(const std::string& object, bool is_org, bool leaves) {
+  const char* const model = leaves ? "kEpsilonLopesdaCosta" : "kEpsilon";
   return head("dictionary", object) +
          fmt::format(
              "simulationType  RAS;\n\nRAS\n{{\n    {}        {};\n    turbulence      on;\n"
              "    printCoeffs     on;\n    {}Coeffs {{ Cmu {}; C1 {}; C2 {}; sigmak {:.1f}; "
              "sigmaEps {:.4f}; }}\n}}\n",
-             is_org ? "model   " : "RASModel", leaves ? "kEpsilonLopesdaCosta" : "kEpsilon",
-             leaves ? "kEpsilonLopesdaCosta" : "kEpsilon", kCmu, kC1, kC2, kSigmaK,
+             is_org ? "model   " : "RASModel", model, model, kCmu, kC1, kC2, kSigmaK,
              sigma_epsilon());
 }
 

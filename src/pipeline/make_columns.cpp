@@ -125,7 +125,7 @@ void ease(const MeshCityOptions& options, const Raster& dtm, const GroundMesh& g
           ColumnPlan& plan) {
   if (options.cut_slope_deg >= 90) return;
   PrismBounds bounds;
-  bounds.slope_deg = std::min(bounds.slope_deg, options.cut_slope_deg);
+  bounds.slope_deg = eased_slope(options);
   plan.eased = ease_ground(ground, build_edge_graph(ground), plan.lift,
                            options.boundary_layers.first, bounds, plan.ground);
   if (plan.eased.empty()) return;
@@ -248,6 +248,10 @@ Columns grade_columns(const MeshCityOptions& options, const CityParts& parts, co
 }
 
 }  // namespace
+
+double eased_slope(const MeshCityOptions& options) {
+  return std::min(PrismBounds{}.slope_deg, options.cut_slope_deg);
+}
 
 ColumnPlanOptions plan_options(const MeshCityOptions& options) {
   const bool uniform = options.layering == Layering::kUniform;

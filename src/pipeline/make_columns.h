@@ -21,6 +21,9 @@ inline bool ends_at_lid(const MeshCityOptions& options) {
   return !solves_laplace(options) && options.layer_height == 0;
 }
 
+/// Degrees that ground is cut back to for prisms (ease_ground).
+double eased_slope(const MeshCityOptions& options);
+
 /// Columns over terrain that is excavated nowhere; valid unless there are missed_buildings(). Fills
 /// the volume facts of `result` as far as the columns are known by then, its solver and its
 /// warnings. Throws Error(kUsage) for a mesh that is too high or too large.

@@ -27,7 +27,6 @@
 #include "volume/column/ground_heights.h"
 #include "volume/column/levels.h"
 #include "volume/column/roof_heights.h"
-#include "volume/excavate/ease_ground.h"
 #include "volume/layers/improve_prisms.h"
 #include "volume/layers/prism_layers.h"
 #include "volume/upper/grow_upper.h"
@@ -412,7 +411,7 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
   for (const VertexIndex v : columns.plan.eased) {
     const Point2 p = columns.mesh.ground.vertices[v];
     excavated.toes.push_back({p.x, p.y, columns.plan.ground[v]});
-    excavated.toe_slopes_deg.push_back(std::min(PrismBounds{}.slope_deg, options.cut_slope_deg));
+    excavated.toe_slopes_deg.push_back(eased_slope(options));
   }
   add_upper(options, columns, clock);
   if (options.boundary_layers.count > 0)

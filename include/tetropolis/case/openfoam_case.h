@@ -71,14 +71,13 @@ struct OpenfoamCase {
 /// drag -Cd LAD |U| U per volume and density (Wilson & Shaw, A higher order closure model for
 /// canopy flow, J. Appl. Meteorol. 16, 1977; Cd 0.2: Katul et al., One- and two-equation models for
 /// canopy turbulence, Boundary-Layer Meteorol. 113, 2004). They are sources of k, too, Cd LAD
-/// (|U|^3
-/// - 4 |U| k), and of epsilon, 1.5 epsilon / k times that (Green, Modelling turbulent air flow in a
-/// stand of widely-spaced trees, PHOENICS J. 5, 1992), by OpenFOAM's kEpsilonLopesdaCosta. Sanz (A
-/// note on k-epsilon modelling of vegetation canopy air-flows, Boundary-Layer Meteorol. 108, 2003)
-/// derives 6.5 and 1.5 for Cmu = 0.09: with these, k and epsilon do not settle. Each file appears
-/// complete or not at all; the mesh is not touched. Errors: kUsage for options out of range, and
-/// for files that are there unless `overwrite`; kInput for a mesh that is missing or is none, and
-/// files that cannot be written.
+/// |U| (|U|^2 - 4 k), and of epsilon, 1.5 epsilon / k times that (Green, Modelling turbulent air
+/// flow in a stand of widely-spaced trees, PHOENICS J. 5, 1992), by OpenFOAM's
+/// kEpsilonLopesdaCosta. Sanz (A note on k-epsilon modelling of vegetation canopy air-flows,
+/// Boundary-Layer Meteorol. 108, 2003) derives 6.5 and 1.5 for Cmu = 0.09: with these, k and
+/// epsilon do not settle. Each file appears complete or not at all; the mesh is not touched.
+/// Errors: kUsage for options out of range, and for files that are there unless `overwrite`; kInput
+/// for a mesh that is missing or is none, and files that cannot be written.
 OpenfoamCase write_openfoam_case(const std::filesystem::path& folder,
                                  const OpenfoamCaseOptions& options);
 

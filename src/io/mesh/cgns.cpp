@@ -182,7 +182,7 @@ struct Section {
   std::size_t corners = 0;  ///< Of each.
 };
 
-/// `blocks`: zone_blocks(), with those of the cells in no zone counted.
+/// `blocks`: zone_blocks().
 std::vector<Section> sections_of(const std::vector<ZoneBlock>& blocks, const CellZones& zones,
                                  const SurfaceMesh& surface,
                                  const std::vector<PatchFaces>& patches) {
@@ -283,12 +283,9 @@ void write_cgns(const std::filesystem::path& path, const ColumnMesh& mesh,
                 fmt::format("{}: {} cells are too many for 32-bit numbers; use a larger mesh size "
                             "or another format",
                             final_path(path).string(), cells.all()));
-  std::vector<ZoneBlock> blocks = zone_blocks(
+  const std::vector<ZoneBlock> blocks = zone_blocks(
       mesh, offsets, zones,
       [](std::size_t, const auto& nodes, std::string& buffer) { append_element(nodes, buffer); });
-  std::array<std::size_t, 2> in_no_zone = {cells.tets, cells.prisms};
-  for (std::size_t b = 0; b < blocks.size(); ++b) in_no_zone[b % 2] -= blocks[b].count;
-  for (std::size_t b = 0; b < 2; ++b) blocks[b].count = in_no_zone[b];
   const std::vector<Section> sections = sections_of(blocks, zones, surface, patches);
   const std::vector<Hdf5Dataset> datasets = streamed(mesh, sections);
   Hdf5Output file(path, datasets, [&](const Hdf5File& made) {

@@ -179,13 +179,8 @@ void write_msh(const std::filesystem::path& path, const ColumnMesh& mesh,
         append_size(buffer, faces + cell + 1);
         for (const NodeIndex node : nodes) append_raw(buffer, node + 1);
       });
-  std::array<std::size_t, 2> in_air = {counts.tets, counts.prisms};
   std::size_t blocks = 0;
-  for (std::size_t b = 0; b < in_zones.size(); ++b) {
-    in_air[b % 2] -= in_zones[b].count;
-    blocks += in_zones[b].count > 0 ? 1 : 0;
-  }
-  for (const std::size_t count : in_air) blocks += count > 0 ? 1 : 0;
+  for (const ZoneBlock& block : in_zones) blocks += block.count > 0 ? 1 : 0;
   for (const PatchFaces& range : patches)
     blocks += (range.triangles > 0 ? 1U : 0U) + (range.quads > 0 ? 1U : 0U);
   std::string begin = "$Elements\n";
@@ -194,11 +189,11 @@ void write_msh(const std::filesystem::path& path, const ColumnMesh& mesh,
   file.write(begin);
   write_faces(file, patches, surface);
   const std::size_t tet_rows = cells.size() - 1;
-  write_cells(file, mesh, cells, zones, in_air[0], 0, tet_rows, kTet, faces,
+  write_cells(file, mesh, cells, zones, in_zones[0].count, 0, tet_rows, kTet, faces,
               portion(progress, 0.2, 0.9));
-  write_cells(file, mesh, cells, zones, in_air[1], tet_rows, cell_rows(mesh, cells), kPrism, faces,
-              portion(progress, 0.9, 1));
-  for (std::size_t b = 0; b < in_zones.size(); ++b) {
+  write_cells(file, mesh, cells, zones, in_zones[1].count, tet_rows, cell_rows(mesh, cells), kPrism,
+              faces, portion(progress, 0.9, 1));
+  for (std::size_t b = 2; b < in_zones.size(); ++b) {
     if (in_zones[b].count == 0) continue;
     file.write(begin_elements(3, volume_group(static_cast<std::int32_t>(b / 2)),
                               b % 2 == 0 ? kTet : kPrism, in_zones[b].count));

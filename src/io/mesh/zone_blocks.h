@@ -19,19 +19,24 @@ struct ZoneBlock {
 };
 
 /// Per number of CellZones::of_cell a block of tets and one of prisms; the first two, of cells in
-/// no zone, stay empty. append(cell, nodes, buffer) puts a cell there.
+/// no zone, are counted only. append(cell, nodes, buffer) puts a cell into one of the others.
 template <typename Append>
 std::vector<ZoneBlock> zone_blocks(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets,
                                    const CellZones& zones, const Append& append) {
   std::vector<ZoneBlock> blocks(2 * (zones.zones.size() + 1));
+  const CellCounts all = count_cells(mesh, offsets);
+  blocks[0].count = all.tets;
+  blocks[1].count = all.prisms;
   if (zones.empty()) return blocks;
   for (std::size_t row = 0, next = 0; row < cell_rows(mesh, offsets); ++row)
     for_each_cell_of(mesh, offsets, row, [&](const auto& nodes) {
       const std::size_t cell = next++;
       const std::int32_t zone = zones.of_cell[cell];
       if (zone == 0) return;
-      ZoneBlock& block = blocks[2 * static_cast<std::size_t>(zone) + (nodes.size() == 4 ? 0 : 1)];
+      const std::size_t type = nodes.size() == 4 ? 0 : 1;
+      ZoneBlock& block = blocks[2 * static_cast<std::size_t>(zone) + type];
       ++block.count;
+      --blocks[type].count;
       append(cell, nodes, block.elements);
     });
   return blocks;

@@ -21,13 +21,14 @@ double steepness(const RoofPlane& roof) {
 double least_step(const RoofPlane& roof) { return kLeastStep * std::max(1.0, steepness(roof) / 2); }
 
 /// Steps at a vertex between roofs that need not have a common wall there, with an own bound for
-/// edges: those that a triangle around the vertex reaches across further than this many times meet,
-/// up to a height in metres. Cells over such a triangle are about as sharp as 1 / 6 (9.5 degrees)
-/// and, where more has to be moved for that, as 1 / 7 (8.1, just above the floor of quality).
-struct Reach {
-  double per_step, most_closed;
-};
-constexpr std::array<Reach, 2> kTooFar{{{6, 0.75}, {7, 1}}};
+/// edges, are closed up to this height, metres: those that a triangle around the vertex reaches
+/// across too far.
+constexpr double kMostClosed = 1;
+
+/// How far a triangle may reach for every metre of a step. Cells over it are then about as sharp as
+/// 1 / 6 (9.5 degrees) and, where more has to be moved for that, as 1 / 7 (8.1, just above the
+/// floor of quality).
+double most_reach(double step) { return step < 0.75 ? 6 : 7; }
 
 /// Elevations of the parts around some vertices, while they are changed.
 class Floors {
@@ -149,11 +150,8 @@ void Floors::close_small_steps() {
         const RoofFloor &below = *by_height[i - 1], &above = *by_height[i];
         const double step = above.z - below.z;
         if (!(step > 0 && step < least)) continue;
-        const auto is_too_far = [&](const Reach& far) {
-          return step < far.most_closed && reach(row, below.z) > far.per_step * step;
-        };
         if (!(step < std::max(least_step_[below.part], least_step_[above.part])) &&
-            std::none_of(kTooFar.begin(), kTooFar.end(), is_too_far))
+            !(step < kMostClosed && reach(row, below.z) > most_reach(step) * step))
           continue;
         least = step;
         low = below.z;
