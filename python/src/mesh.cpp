@@ -240,7 +240,7 @@ void save_surface_of(const Mesh& mesh, const SurfaceMesh& surface,
     throw_no_format(path, "end it in .vtp, .stl, .obj, .ply or .glb");
 }
 
-TetMesh tets_of(const Mesh& mesh) {
+TetMesh cells_of(const Mesh& mesh) {
   const std::size_t rows = mesh.offsets.size() - 1;
   std::vector<std::array<NodeIndex, 4>> cells(mesh.offsets.back());
   fill_cells(mesh.volume(), mesh.offsets, 0, rows, cells);
@@ -252,6 +252,15 @@ TetMesh tets_of(const Mesh& mesh) {
   for (const auto& c : cells)
     tets.cells.push_back({c[0].value(), c[1].value(), c[2].value(), c[3].value()});
   for (const BuildingIndex region : regions) tets.region.push_back(region.value());
+  std::vector<std::array<NodeIndex, 6>> wedges(
+      static_cast<std::size_t>(mesh.volume().layers.cells()));
+  fill_wedges(mesh.volume(), wedges);
+  for (const auto& w : wedges) {
+    const auto prism = static_cast<std::int64_t>(tets.wedges.size());
+    tets.region.push_back(building_of_prism(mesh.volume(), prism).value());
+    tets.wedges.push_back(
+        {w[0].value(), w[1].value(), w[2].value(), w[3].value(), w[4].value(), w[5].value()});
+  }
   return tets;
 }
 
@@ -259,7 +268,7 @@ void render(const Mesh& mesh, const std::filesystem::path& picture, const nb::di
   const RenderOptions options = render_options(keywords);
   const nb::gil_scoped_release release;
   RenderInput input{city_surface(mesh.mesh().boundary), {}};
-  if (options.view == View::kSection) input.volume = tets_of(mesh);
+  if (options.view == View::kSection) input.volume = cells_of(mesh);
   write_png(picture, render_picture(input, options));
 }
 

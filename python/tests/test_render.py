@@ -24,7 +24,9 @@ def test_is_what_the_command_draws(written, program, tmp_path):
         assert (tmp_path / "command.png").read_bytes() == (tmp_path / "python.png").read_bytes()
 
 
-def test_meshes_are_drawn_as_their_files(mesh, tmp_path):
+@pytest.mark.parametrize("settings", [{}, {"boundary_layers": 3}, {"cells": "prisms"}])
+def test_meshes_are_drawn_as_their_files(shared_city, settings, tmp_path):
+    mesh = tp.build_mesh(shared_city, **settings)
     mesh.save(tmp_path / "volume.vtu")
     mesh.surface.save(tmp_path / "surface.vtp")
     for view in ("city", "section"):

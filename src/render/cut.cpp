@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <optional>
 
 #include "core/parallel.h"
 
@@ -30,10 +31,32 @@ Point2 meeting(const CutPlane& plane, const std::vector<Point3>& points,
   return {plane.position(m), m.z};
 }
 
+/// Columns are upright, and so is the plane: a prism is cut where its triangle is.
+std::optional<CutCell> cut_wedge(const TetMesh& mesh, const CutPlane& plane,
+                                 const std::vector<double>& d, std::size_t w) {
+  std::array<std::size_t, 6> v{};
+  for (std::size_t i = 0; i < 6; ++i) v[i] = static_cast<std::size_t>(mesh.wedges[w][i]);
+  const auto is_behind = [&](std::size_t i) { return d[v[i % 3]] >= 0; };
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (is_behind(i) == is_behind(i + 1) || is_behind(i) == is_behind(i + 2)) continue;
+    const auto corner = [&](std::size_t layer, std::size_t to) {
+      return meeting(plane, mesh.points, d, v[3 * layer + i], v[3 * layer + (i + to) % 3]);
+    };
+    return CutCell{{corner(0, 1), corner(0, 2), corner(1, 2), corner(1, 1)},
+                   4,
+                   static_cast<std::int64_t>(mesh.cells.size() + w)};
+  }
+  return std::nullopt;
+}
+
 std::vector<CutCell> cut_some(const TetMesh& mesh, const CutPlane& plane,
                               const std::vector<double>& d, std::size_t begin, std::size_t end) {
   std::vector<CutCell> cut;
   for (std::size_t c = begin; c < end; ++c) {
+    if (c >= mesh.cells.size()) {
+      if (const auto cell = cut_wedge(mesh, plane, d, c - mesh.cells.size())) cut.push_back(*cell);
+      continue;
+    }
     std::array<std::size_t, 4> front, behind;
     std::size_t n_front = 0, n_behind = 0;
     for (const std::int64_t v : mesh.cells[c]) {
@@ -75,7 +98,7 @@ CutPlane plane_along(double azimuth, Vec3 through) {
 std::vector<CutCell> cut_cells(const TetMesh& mesh, const CutPlane& plane) {
   const std::vector<double> d = distances(mesh.points, plane);
   return parallel_reduce_ordered(
-      mesh.cells.size(), kGrain, std::vector<CutCell>(),
+      mesh.cell_count(), kGrain, std::vector<CutCell>(),
       [&](std::size_t begin, std::size_t end) { return cut_some(mesh, plane, d, begin, end); },
       [](std::vector<CutCell> all, const std::vector<CutCell>& some) {
         all.insert(all.end(), some.begin(), some.end());

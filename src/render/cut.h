@@ -31,11 +31,11 @@ CutPlane plane_along(double azimuth, Vec3 through);
 struct CutCell {
   std::array<Point2, 4> corners;  ///< In order around it.
   int size = 3;                   ///< Of these: 3 or 4.
-  std::int64_t cell = 0;
+  std::int64_t cell = 0;          ///< Tets first, then prisms.
 };
 
-/// Every cell that has vertices on both sides, in their order; vertices in the plane count as
-/// behind it. Cells cover what the volume covers of the plane, once.
+/// Every cell that has vertices on both sides, in their order (prisms are upright); vertices in the
+/// plane count as behind it. Cells cover what the volume covers of the plane, once.
 std::vector<CutCell> cut_cells(const TetMesh& mesh, const CutPlane& plane);
 
 /// A face in the plane.

@@ -97,8 +97,7 @@ RenderInput of_city(const fs::path& path) {
 }
 
 RenderInput of_volume(TetMesh mesh) {
-  mesh = split_prisms(std::move(mesh));
-  RenderInput input{surface_of(mesh), {}};
+  RenderInput input{surface_of(split_prisms(mesh)), {}};
   input.volume = std::move(mesh);
   return input;
 }
@@ -139,7 +138,7 @@ RenderInput read_folder(const fs::path& folder, View view) {
     RenderInput input = read_one(surface);
     if (view == View::kSection && !volume.empty()) {
       if (volume.extension() == ".vtu")
-        input.volume = split_prisms(read_vtu(volume));
+        input.volume = read_vtu(volume);
       else
         input.volume = read_one(volume).volume;
     }

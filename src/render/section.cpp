@@ -184,9 +184,25 @@ std::vector<Slab> solid(const std::vector<CutFace>& faces, double floor) {
   return all;
 }
 
+/// Of a prism between its upright sides, degrees.
+double least_upright_dihedral(const TetMesh& mesh, std::size_t wedge) {
+  double least = 180;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto p = [&](std::size_t k) {
+      const Vec3 at(mesh.points[static_cast<std::size_t>(mesh.wedges[wedge][(i + k) % 3])]);
+      return Vec3{at.x, at.y, 0};
+    };
+    const Vec3 a = normalised(p(1) - p(0)), b = normalised(p(2) - p(0));
+    least = std::min(least, std::acos(std::clamp(dot(a, b), -1.0, 1.0)));
+  }
+  return least * (180 / std::numbers::pi);
+}
+
 /// Degrees; 0 of flat cells.
 double least_dihedral(const TetMesh& mesh, std::int64_t cell) {
-  const auto& c = mesh.cells[static_cast<std::size_t>(cell)];
+  const auto number = static_cast<std::size_t>(cell);
+  if (number >= mesh.cells.size()) return least_upright_dihedral(mesh, number - mesh.cells.size());
+  const auto& c = mesh.cells[number];
   std::array<Vec3, 4> normals;
   for (std::size_t i = 0; i < 4; ++i) {
     const auto p = [&](std::size_t k) {

@@ -10,6 +10,7 @@
 
 #include "tetropolis/volume/column/boundary.h"
 
+#include "render/split_prisms.h"
 #include "render/volume_surface.h"
 #include "support/test_data.h"
 #include "terraced_city.h"
@@ -78,6 +79,33 @@ TEST(Cut, CellsCoverTheSectionLessTheBuildings) {
     EXPECT_NEAR(profile, length, 1e-9);
     EXPECT_NEAR(below, length * TerracedCity::kTop - expected, 1e-9);
   }
+}
+
+TEST(Cut, PrismsAreCutWhole) {
+  std::mt19937 random(testing::test_seed());
+  std::uniform_real_distribution<double> anywhere(0, 10);
+  TetMesh mesh;
+  for (int k = 0; k < 200; ++k) {
+    std::array<std::int64_t, 6> wedge{};
+    std::array<Point2, 3> p;
+    for (Point2& corner : p) corner = {anywhere(random), anywhere(random)};
+    for (std::size_t i = 0; i < 6; ++i) {
+      wedge[i] = std::ssize(mesh.points);
+      mesh.points.push_back({p[i % 3].x, p[i % 3].y, anywhere(random) + (i < 3 ? 0 : 20)});
+    }
+    mesh.wedges.push_back(wedge);
+  }
+  const CutPlane plane = plane_along(37, {5, 5, 0});
+  const std::vector<CutCell> whole = cut_cells(mesh, plane);
+  ASSERT_GT(whole.size(), 50);
+  double area = 0, area_of_tets = 0;
+  for (const CutCell& cell : whole) {
+    EXPECT_EQ(cell.size, 4);
+    EXPECT_GT(area_of(cell), 0);
+    area += area_of(cell);
+  }
+  for (const CutCell& cell : cut_cells(split_prisms(mesh), plane)) area_of_tets += area_of(cell);
+  EXPECT_NEAR(area, area_of_tets, 1e-9 * area);
 }
 
 TEST(Cut, RightIsAlongTheLineAndBehindAtItsLeft) {
