@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <limits>
-#include <queue>
 #include <tuple>
 #include <utility>
 
@@ -96,9 +94,9 @@ class Worst {
 };
 
 using Piece = std::int32_t;  // a triangle of the front
+constexpr Piece kNoPiece = -1;
 
 struct FrontTriangle {
-  std::array<VertexIndex, 3> corners;
   std::int32_t nth;     // of those that its step made
   VertexIndex made_by;  // With `order`, as in FrontColumn, which step that was;
   double order;         // -infinity: it is on the lid.
@@ -111,15 +109,26 @@ struct FrontTriangle {
 };
 
 struct FrontColumn {
-  Point3 at{};                      // the front's node
-  double lid = 0, edge = 0;         // elevation of the lid, longest edge on it
-  double due = kInfinity;           // its key when it was put into the queue; infinity: done
-  double order = -kInfinity;        // Steps are taken by this, by vertex, and as they come.
-  std::int32_t cells = 0;           // that it has made
-  double spacing = 0;               // In the front as it is,
-  double longest = -1;              // as is the longest edge; negative: to be found anew.
-  std::int32_t tile = 0, held = 0;  // The phase in which it, or one around it, is left for later.
-  bool stays = false;               // at the rim
+  Point3 at{};                // the front's node
+  double lid = 0, edge = 0;   // elevation of the lid, longest edge on it
+  double order = -kInfinity;  // Steps are taken by this, by vertex, and as they come.
+  double spacing = 0;         // In the front as it is,
+  double longest = -1;        // as is the longest edge; negative: to be found anew.
+  std::int32_t cells = 0;     // that it has made
+  bool stays = false;         // at the rim
+};
+
+/// When a column is to go: before those around it that are due later, or as late and of a higher
+/// vertex.
+struct Turn {
+  double due = kInfinity;           // its key when that was found; infinity: done
+  std::int32_t tile = 0, held = 0;  // The phase in which it, or one due before it, is left for later.
+};
+
+/// A column around another, and the triangle to the left of the edge to it.
+struct Neighbour {
+  VertexIndex vertex;
+  Piece piece;
 };
 
 /// The front.
@@ -128,15 +137,42 @@ struct Front {
 
   double top;
   std::span<const double> shares;
-  std::vector<FrontColumn> columns;        // per vertex
-  std::vector<FrontTriangle> triangles;    // by triangle of the ground mesh
-  std::vector<std::vector<Piece>> around;  // per vertex, oldest first; none where it has ended
+  std::vector<FrontColumn> columns;      // per vertex
+  std::vector<Turn> turns;               // per vertex
+  std::vector<FrontTriangle> triangles;  // by triangle of the ground mesh
+  /// Per vertex, counter-clockwise, at the rim from there to there; none where it has ended.
+  std::vector<std::vector<Neighbour>> around;
 };
+
+/// Orders those around v, of which each begins a triangle of the ground.
+void order_around(VertexIndex v, const GroundMesh& ground, std::vector<Neighbour>& around) {
+  const auto next = [&](const Neighbour& n) {
+    const auto& c = ground.triangles[TriangleIndex(n.piece)];
+    return c[0] == v ? c[2] : c[1] == v ? c[0] : c[1];
+  };
+  // At the rim the first is the one that no other leads to.
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    const auto leads = [&](const Neighbour& n) { return next(n) == around[i].vertex; };
+    if (std::none_of(around.begin(), around.end(), leads)) {
+      std::swap(around[0], around[i]);
+      break;
+    }
+  }
+  for (std::size_t i = 1; i < around.size(); ++i)
+    for (std::size_t j = i; j < around.size(); ++j)
+      if (around[j].vertex == next(around[i - 1])) {
+        std::swap(around[i], around[j]);
+        break;
+      }
+  if (!around.empty() && next(around.back()) != around.front().vertex)
+    around.push_back({next(around.back()), kNoPiece});
+}
 
 Front::Front(const ColumnMesh& mesh, double top_, std::span<const double> shares_)
     : top(top_),
       shares(shares_),
       columns(mesh.vertex_count()),
+      turns(mesh.vertex_count()),
       triangles(mesh.triangle_count()),
       around(mesh.vertex_count()) {
   for (const VertexIndex v : mesh.ground.vertices.indices()) {
@@ -154,10 +190,14 @@ Front::Front(const ColumnMesh& mesh, double top_, std::span<const double> shares
   }
   for (const TriangleIndex t : mesh.ground.triangles.indices()) {
     const auto& v = mesh.ground.triangles[t];
-    for (const VertexIndex u : v) around[u].push_back(t.value());
-    triangles[t] = {v,   t.value(), VertexIndex(0), -kInfinity, centre_of(uppermost_cell(mesh, t)),
+    for (std::size_t i = 0; i < 3; ++i) around[v[i]].push_back({v[(i + 1) % 3], t.value()});
+    triangles[t] = {t.value(), VertexIndex(0), -kInfinity, centre_of(uppermost_cell(mesh, t)),
                     true};
   }
+  parallel_chunks(columns.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (const VertexIndex v : indices<VertexIndex>(begin, end))
+      order_around(v, mesh.ground, around[v]);
+  });
 }
 
 /// Has columns of one tile climb.
@@ -167,8 +207,9 @@ class Climber {
 
   /// When the column is due for the first time.
   void set_due(VertexIndex v);
-  /// In the phase, from 1 on, in which the columns of the tile are these.
-  void climb(std::span<const VertexIndex> columns, std::int32_t tile, std::int32_t phase);
+  /// Has the column climb to the top, and others of its tile as far as it waits for them; in the
+  /// phase, from 1 on.
+  void climb(VertexIndex first, std::int32_t phase);
 
  private:
   /// A triangle around a vertex, from which it is to the left of the edge from `vertex` to `next`.
@@ -218,34 +259,30 @@ class Climber {
   }
   void rise(VertexIndex v, double to);
   bool end(VertexIndex v, double least_share, double least_angle);
+  void go(VertexIndex v);
 
   Front& front_;
   FrontSteps& done_;
   std::vector<Spoke> star_;  // of the vertex that is looked at
+  std::vector<VertexIndex> waiting_;
 };
 
-/// The triangles around v, counter-clockwise.
+/// The triangles around v, counter-clockwise; the oldest is the first, unless v is at the rim.
 void Climber::find_star(VertexIndex v) {
+  const std::vector<Neighbour>& around = front_.around[v];
+  const std::size_t n = around.size() - (column(v).stays ? 1 : 0);
+  const auto at_piece = [&](std::size_t i) -> const FrontTriangle& {
+    return front_.triangles[static_cast<std::size_t>(around[i].piece)];
+  };
+  std::size_t first = 0;
+  for (std::size_t i = 1; i < n && !column(v).stays; ++i)
+    if (at_piece(i).is_older(at_piece(first))) first = i;
   star_.clear();
-  for (const Piece piece : front_.around[v]) {
-    const auto& c = front_.triangles[static_cast<std::size_t>(piece)].corners;
-    const std::size_t i = c[0] == v ? 0 : c[1] == v ? 1 : 2;
-    star_.push_back({c[(i + 1) % 3], c[(i + 2) % 3], piece});
+  for (std::size_t k = 0, i = first; k < n; ++k) {
+    const Neighbour& here = around[i];
+    i = i + 1 < around.size() ? i + 1 : 0;
+    star_.push_back({here.vertex, around[i].vertex, here.piece});
   }
-  // At the rim the first is the one that no other leads to.
-  for (std::size_t i = 0; column(v).stays && i < star_.size(); ++i) {
-    const auto leads = [&](const Spoke& spoke) { return spoke.next == star_[i].vertex; };
-    if (std::none_of(star_.begin(), star_.end(), leads)) {
-      std::swap(star_[0], star_[i]);
-      break;
-    }
-  }
-  for (std::size_t i = 1; i < star_.size(); ++i)
-    for (std::size_t j = i; j < star_.size(); ++j)
-      if (star_[j].vertex == star_[i - 1].next) {
-        std::swap(star_[i], star_[j]);
-        break;
-      }
 }
 
 /// Spacing as column_spacing() has it, in the front, and longest edge. Precondition: star_ is that
@@ -277,7 +314,7 @@ void Climber::set_due(VertexIndex v) {
   if (!(at(v)[2] < front_.top) || front_.around[v].empty()) return;
   find_star(v);
   measure_star(v);
-  column(v).due = key(v);
+  front_.turns[v].due = key(v);
 }
 
 /// Quality, and the elevation to rise to. Near the top the rest is divided evenly.
@@ -415,66 +452,99 @@ bool Climber::end(VertexIndex v, double least_share, double least_angle) {
   const double order = column(v).order;
   add_step(v, std::numeric_limits<double>::quiet_NaN());
   for (std::size_t i = 0; i < n; ++i) cover(star_[i], v, over[i]);
-  for (const Spoke& spoke : star_) {
-    column(spoke.vertex).longest = -1;
-    for (const VertexIndex u : {spoke.vertex, spoke.next})
-      std::erase(front_.around[u], spoke.piece);
-  }
+  // Of edges of the ring's polygon, from a to b: the cap to the left, and its third corner.
+  struct Side {
+    std::int32_t cap, third;
+  };
+  std::array<Side, kMost * kMost> sides;
   for (std::size_t i = 0; i < count; ++i) {
-    const Piece piece = star_[i].piece;  // there are two more of them
-    FrontTriangle& cap = triangle(star_[i]);
-    cap = {{}, static_cast<std::int32_t>(i), v, order, caps[i].centre, false};
+    triangle(star_[i]) = {static_cast<std::int32_t>(i), v, order, caps[i].centre, false};
     for (std::size_t c = 0; c < 3; ++c) {
-      const VertexIndex corner = star_[caps[i].ring[c]].vertex;
-      cap.corners[c] = corner;
-      done_.others.push_back(corner);
-      // Younger ones may be there already: others, as far away, have gone before their turn.
-      auto& around = front_.around[corner];
-      auto place = around.end();
-      while (place != around.begin() &&
-             cap.is_older(front_.triangles[static_cast<std::size_t>(*(place - 1))]))
-        --place;
-      around.insert(place, piece);
+      const std::size_t a = caps[i].ring[c], b = caps[i].ring[(c + 1) % 3];
+      sides[a * n + b] = {static_cast<std::int32_t>(i),
+                          static_cast<std::int32_t>(caps[i].ring[(c + 2) % 3])};
+      done_.others.push_back(star_[a].vertex);
     }
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const VertexIndex u = star_[i].vertex;
+    column(u).longest = -1;
+    std::vector<Neighbour>& around = front_.around[u];
+    auto place = std::find_if(around.begin(), around.end(),
+                              [&](const Neighbour& other) { return other.vertex == v; });
+    // The caps at u are where v was, from its next to its last on the ring.
+    const std::size_t next = (i + 1) % n, last = (i + n - 1) % n;
+    const auto piece_of = [&](const Side& side) {
+      return star_[static_cast<std::size_t>(side.cap)].piece;
+    };
+    Side side = sides[i * n + next];
+    (place == around.begin() ? around.back() : *(place - 1)).piece = piece_of(side);
+    bool is_first = true;
+    while (static_cast<std::size_t>(side.third) != last) {
+      const auto corner = static_cast<std::size_t>(side.third);
+      side = sides[i * n + corner];
+      const Neighbour other{star_[corner].vertex, piece_of(side)};
+      if (std::exchange(is_first, false))
+        *place = other;
+      else
+        place = around.insert(place + 1, other);
+    }
+    if (is_first) around.erase(place);
   }
   front_.around[v].clear();
   return true;
 }
 
-void Climber::climb(std::span<const VertexIndex> columns, std::int32_t tile, std::int32_t phase) {
-  using Entry = std::pair<double, VertexIndex>;
-  std::vector<Entry> entries;
-  for (const VertexIndex v : columns) entries.emplace_back(column(v).due, v);
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue(std::greater<>{},
-                                                                       std::move(entries));
-  while (!queue.empty()) {
-    const VertexIndex v = queue.top().second;
-    queue.pop();
-    FrontColumn& own = column(v);
-    find_star(v);
-    bool waits = false;  // Those that are held are due before.
-    for_each_around(
-        [&](VertexIndex u) { waits = waits || column(u).tile != tile || column(u).held == phase; });
-    if (waits) {
-      own.held = phase;
+/// Its turn has come.
+void Climber::go(VertexIndex v) {
+  FrontColumn& own = column(v);
+  Turn& turn = front_.turns[v];
+  own.order = std::max(own.order, turn.due);
+  find_star(v);
+  if (own.longest < 0) measure_star(v);
+  if (const double now = key(v); now > turn.due) {
+    turn.due = now;
+    return;
+  }
+  turn.due = kInfinity;
+  if (wants_to_end(v) && end(v, kGoodEnd, kLeastAngle)) return;
+  const auto [quality, to] = best_rise(v);
+  if (quality < kGoodRise && may_end(v) && end(v, quality, kLeastAngleOfNeed)) return;
+  if (quality < 1 && worst_of_rise(v, to, 0).is_below_floor()) add_poor(v);
+  rise(v, to);
+  if (to < front_.top) turn.due = key(v);
+}
+
+void Climber::climb(VertexIndex first, std::int32_t phase) {
+  const auto is_before = [&](VertexIndex a, VertexIndex b) {
+    return std::pair(front_.turns[a].due, a) < std::pair(front_.turns[b].due, b);
+  };
+  const std::int32_t tile = front_.turns[first].tile;
+  // Each waits for the one after it.
+  std::vector<VertexIndex>& waiting = waiting_;
+  waiting.assign(1, first);
+  while (!waiting.empty()) {
+    const VertexIndex v = waiting.back();
+    const bool is_done = front_.turns[v].due == kInfinity;
+    if (is_done || (waiting.size() > 1 && !is_before(v, waiting[waiting.size() - 2]))) {
+      waiting.pop_back();
       continue;
     }
-    own.order = std::max(own.order, own.due);
-    if (own.longest < 0) measure_star(v);
-    if (const double now = key(v); now > own.due) {
-      own.due = now;
-      queue.emplace(now, v);
-      continue;
+    VertexIndex next = v;
+    bool is_held = false;
+    for (const Neighbour& other : front_.around[v]) {
+      is_held = is_held || front_.turns[other.vertex].tile != tile;
+      if (is_held) break;
+      if (is_before(other.vertex, next)) next = other.vertex;
     }
-    own.due = kInfinity;
-    if (wants_to_end(v) && end(v, kGoodEnd, kLeastAngle)) continue;
-    const auto [quality, to] = best_rise(v);
-    if (quality < kGoodRise && may_end(v) && end(v, quality, kLeastAngleOfNeed)) continue;
-    if (quality < 1 && worst_of_rise(v, to, 0).is_below_floor()) add_poor(v);
-    rise(v, to);
-    if (!(to < front_.top)) continue;
-    own.due = key(v);
-    queue.emplace(own.due, v);
+    if (is_held || front_.turns[next].held == phase) {
+      front_.turns[v].held = phase;
+      waiting.pop_back();
+    } else if (next == v) {
+      go(v);
+    } else {
+      waiting.push_back(next);
+    }
   }
 }
 
@@ -523,13 +593,14 @@ std::vector<std::vector<FrontSteps>> climb_to_top(const ColumnMesh& mesh, double
     std::vector<std::vector<VertexIndex>> columns(count);
     for (const VertexIndex v : mesh.ground.vertices.indices()) {
       const std::size_t tile = tile_at(front.columns[v].at);
-      front.columns[v].tile = static_cast<std::int32_t>(tile);
-      if (front.columns[v].due < kInfinity) columns[tile].push_back(v);
+      front.turns[v].tile = static_cast<std::int32_t>(tile);
+      if (front.turns[v].due < kInfinity) columns[tile].push_back(v);
     }
     std::vector<FrontSteps>& steps = phases.emplace_back(count);
     const auto phase = static_cast<std::int32_t>(phases.size());
     parallel_in_order(count, [&](std::size_t i) {
-      Climber(front, steps[i]).climb(columns[i], static_cast<std::int32_t>(i), phase);
+      Climber climber(front, steps[i]);
+      for (const VertexIndex v : columns[i]) climber.climb(v, phase);
       steps[i].steps.shrink_to_fit();
       steps[i].others.shrink_to_fit();
     });
