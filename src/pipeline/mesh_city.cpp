@@ -405,8 +405,6 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
     result.volume_facts.columns_improved = improved.columns_improved;
     result.volume_facts.min_vertical_gap = improved.min_vertical_gap;
     quality = std::move(improved.quality);
-  } else if (options.cells == Cells::kTets) {
-    quality = measure_quality(columns.mesh, clock);
   }
   for (const VertexIndex v : columns.plan.eased) {
     const Point2 p = columns.mesh.ground.vertices[v];
@@ -429,9 +427,13 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
     });
   if (!columns.mesh.upper.empty() || columns.mesh.layers.cells() > 0)
     result.volume_facts.min_vertical_gap = require_valid(columns.mesh);
-  if (!columns.mesh.upper.empty() ||
-      (columns.mesh.layers.cells() > 0 && !columns.mesh.layers.whole))
-    quality = measure_quality(columns.mesh, clock);
+  if (options.cells == Cells::kTets)
+    clock.run("3.6", "measure cells and faces", [&](const Progress&) {
+      if (options.layering == Layering::kUniform)
+        quality = measure_quality(columns.mesh, kWorstCells);
+      else
+        measure_ends(columns.mesh, kWorstCells, quality);
+    });
   warn_of_lowered_ground(columns.plan, excavated, result.warnings);
   tell_excavation(options, columns.plan, std::move(excavated), result.volume_facts);
   result.volume = std::move(columns.mesh);

@@ -36,6 +36,9 @@ void visit_inner_faces(const ColumnMesh& mesh,
 /// Chunks are below this.
 std::size_t inner_face_chunks(const ColumnMesh& mesh);
 
+/// Of all nodes the highest elevation.
+double top_of(const ColumnMesh& mesh);
+
 /// Calls visit(cell, corners, places, is_top) for those on the domain's boundary, by cell, which
 /// count from 0 in the upper part.
 void visit_outer_faces(const ColumnMesh& mesh,

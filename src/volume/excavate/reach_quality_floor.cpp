@@ -26,9 +26,6 @@ namespace tetropolis {
 
 namespace {
 
-/// Cells the report lists.
-constexpr std::size_t kWorstCells = 10;
-
 /// Excavations from one kind of source, at most: where ground was lowered, other cells change.
 constexpr int kMostRounds = 8;
 
@@ -467,11 +464,6 @@ ImprovedColumns reach_quality_floor(Columns columns, const Raster& dtm,
     return gap;
   });
   return result;
-}
-
-MeshQuality measure_quality(const ColumnMesh& mesh, Steps& steps) {
-  return steps.run("3.6", "measure cells and faces",
-                   [&](const Progress&) { return measure_quality(mesh, kWorstCells); });
 }
 
 }  // namespace tetropolis

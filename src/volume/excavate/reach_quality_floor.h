@@ -13,6 +13,9 @@
 
 namespace tetropolis {
 
+/// Cells that reports list.
+inline constexpr std::size_t kWorstCells = 10;
+
 struct QualityFloorOptions {
   ColumnPlanOptions plan;           ///< That the columns were planned with.
   double gentlest_deg = 56;         ///< Terrain is excavated to slopes of 75, 66 or, where neither
@@ -28,7 +31,7 @@ struct ImprovedColumns {
   ExcavationSources excavated;
   std::int64_t columns_improved = 0;  ///< Whose nodes have moved.
   double min_vertical_gap = 0;        ///< As from require_valid.
-  MeshQuality quality;
+  MeshQuality quality;                ///< Without what measure_ends() adds.
 };
 
 /// What runs the steps: run(id, name, body) calls body(progress) and times it.
@@ -48,7 +51,5 @@ using Steps = StepClock;
 /// The same bits for any number of threads. Throws Cancelled, and what `require_fits` does.
 ImprovedColumns reach_quality_floor(Columns columns, const Raster& dtm,
                                     const QualityFloorOptions& options, Steps& steps);
-
-MeshQuality measure_quality(const ColumnMesh& mesh, Steps& steps);
 
 }  // namespace tetropolis

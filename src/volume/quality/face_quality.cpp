@@ -7,6 +7,7 @@
 
 #include "faces_of.h"
 #include "tet_cosines.h"
+#include "volume/column/upper_faces.h"
 
 namespace tetropolis {
 
@@ -94,18 +95,36 @@ FaceQuality faces_over(const ColumnMesh& mesh, TriangleIndex t) {
   std::array<Point3, 3> face;
   for (std::size_t i = 0; i < 3; ++i) face[i] = position(mesh, v[i], front.at(i));
   Point3 below{};
-  bool is_first = true;
+  bool is_lowest = true;
   for (std::size_t c; (c = front.next()) < 3; front.advance(c)) {
     const Point3 apex = position(mesh, v[c], front.at(c) + 1);
     const Point3 centre = centre_of({face[0], face[1], face[2], apex});
-    const bool is_lowest = std::exchange(is_first, false);
-    if (is_lowest && !mesh.has_layers(t)) faces.add_boundary(face, centre);
-    if (!is_lowest) faces.add(face, below, centre);
+    if (!std::exchange(is_lowest, false)) faces.add(face, below, centre);
     below = centre;
     face[c] = apex;
   }
-  if (!is_first && !mesh.is_covered(t)) faces.add_boundary(face, below);
   return faces.quality();
+}
+
+double skewness_at_ends(const ColumnMesh& mesh, TriangleIndex t) {
+  const auto& v = mesh.ground.triangles[t];
+  const auto face_at = [&](const auto& node_at) {
+    std::array<Point3, 3> face;
+    for (std::size_t i = 0; i < 3; ++i) face[i] = position(mesh, v[i], node_at(i));
+    return face;
+  };
+  double skewness = 0;
+  if (!mesh.has_layers(t)) {
+    const Climb<3> front = climb_triangle(mesh, t);
+    const std::size_t c = front.next();
+    const std::array<Point3, 3> floor = face_at([&](std::size_t i) { return front.at(i); });
+    const Point3 apex = position(mesh, v[c], front.at(c) + 1);
+    raise_to(skewness, boundary_skewness(floor, centre_of({floor[0], floor[1], floor[2], apex})));
+  }
+  if (!mesh.is_covered(t))
+    raise_to(skewness, boundary_skewness(face_at([&](std::size_t i) { return mesh.top(v[i]); }),
+                                         centre_of(uppermost_cell(mesh, t))));
+  return skewness;
 }
 
 FaceQuality faces_beside(const ColumnMesh& mesh, EdgeIndex e) {

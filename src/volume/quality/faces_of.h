@@ -8,8 +8,11 @@
 
 namespace tetropolis {
 
-/// Those between the cells over triangle t, and on the boundary at their two ends.
+/// Those between the cells over triangle t.
 FaceQuality faces_over(const ColumnMesh& mesh, TriangleIndex t);
+
+/// Of the faces at the two ends of these cells that are on the boundary: the greatest.
+double skewness_at_ends(const ColumnMesh& mesh, TriangleIndex t);
 
 /// Those over edge e, between the cells on its two sides and, where there are none on one side, on
 /// the boundary.

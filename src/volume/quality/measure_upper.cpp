@@ -12,10 +12,13 @@
 #include "tetropolis/volume/quality/face_quality.h"
 
 #include "cells_of.h"
+#include "core/infinity.h"
 #include "core/parallel.h"
 #include "core/units.h"
 #include "tet_cosines.h"
+#include "tet_kernels.h"
 #include "volume/column/upper_faces.h"
+#include "volume/column/upper_fans.h"
 
 namespace tetropolis {
 
@@ -23,8 +26,6 @@ namespace {
 
 /// Far beyond the rounding of cosines and squares.
 constexpr double kMargin = 1e-9;
-
-using Corners = std::array<Point3, 4>;
 
 /// The worst cells, worst first; of those as bad, the first.
 class WorstCells {
@@ -54,14 +55,6 @@ class WorstCells {
   std::vector<WorstCell> cells_;
 };
 
-/// What some cells add to the figures.
-struct CellSums {
-  QualityHistogram histogram;
-  FaultCounts faults;
-  std::vector<WorstCell> worst;
-  std::vector<double> volumes;  // per block
-};
-
 /// Degrees that are good by all that is asked.
 AngleBounds good_by_all() {
   AngleBounds good{kLeastOfMost, 180};
@@ -70,70 +63,103 @@ AngleBounds good_by_all() {
   return good;
 }
 
-void add_cells(std::span<const Corners> cells, WorstCells& worst, CellSums& sums) {
+/// Of cells.
+class CellSums {
+ public:
+  explicit CellSums(std::size_t worst) : worst_(worst) {}
+  void add(const std::array<const Point3*, 4>& corners) {
+    corners_.add(corners);
+    if (corners_.is_full()) measure();
+  }
+  /// Those that are left.
+  void measure();
+  void add_to(MeshQuality& quality, WorstCells& worst) const;
+
+ private:
+  PointRows<4> corners_;
+  QualityHistogram histogram_;
+  FaultCounts faults_;
+  WorstCells worst_;
+  double volume_ = 0;
+};
+
+void CellSums::measure() {
   static const double good_least = std::cos(to_radians(good_by_all().least)) - kMargin;
   static const double good_greatest = std::cos(to_radians(good_by_all().greatest)) + kMargin;
-  FaultCounts& faults = sums.faults;
-  faults.cells += static_cast<std::int64_t>(cells.size());
-  std::vector<double> greatest, aspect2;
+  TetFigures figures;
+  measure_tets(corners_, figures);
+  const std::size_t count = corners_.size();
+  faults_.cells += static_cast<std::int64_t>(count);
   std::int64_t inverted = 0;
-  double volume = 0;
-  for (const Corners& p : cells) {
-    const TetCosines shape = tet_cosines(p[0], p[1], p[2], p[3]);
-    greatest.push_back(shape.greatest);
-    aspect2.push_back(shape.aspect_ratio * shape.aspect_ratio);
+  double greatest = -1, least = 1, aspect = 0, volume = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const TetCosines shape{figures.volume[k], figures.greatest[k], figures.least[k],
+                           figures.aspect[k]};
     inverted += shape.volume > 0 ? 0 : 1;
     volume += shape.volume;
-    sums.histogram.widen(shape.greatest, shape.least, shape.aspect_ratio);
+    greatest = std::max(greatest, shape.greatest);
+    least = std::min(least, shape.least);
+    aspect = std::max(aspect, shape.aspect_ratio);
+    figures.aspect[k] *= shape.aspect_ratio;
     const bool is_good = shape.greatest < good_least && shape.least > good_greatest;
-    if (is_good && !worst.may_take(shape)) continue;
+    if (is_good && !worst_.may_take(shape)) continue;
     const double least_deg = angle_deg(shape.greatest), greatest_deg = angle_deg(shape.least);
-    faults.thin += least_deg < kLeastOfMost ? 1 : 0;
+    faults_.thin += least_deg < kLeastOfMost ? 1 : 0;
     for (std::size_t i = 0; i < kAskedBounds.size(); ++i)
-      faults.outside[i] +=
+      faults_.outside[i] +=
           least_deg < kAskedBounds[i].least || greatest_deg > kAskedBounds[i].greatest ? 1 : 0;
-    worst.add({share_of_floor(least_deg, greatest_deg), least_deg, greatest_deg, centre_of(p),
-               kNoTriangle, "change of size"});
+    worst_.add({share_of_floor(least_deg, greatest_deg), least_deg, greatest_deg,
+                centre_of(corners_[k]), kNoTriangle, "change of size"});
   }
-  sums.histogram.add(greatest, aspect2, inverted);
-  sums.volumes.push_back(volume);
+  volume_ += volume;
+  histogram_.widen(greatest, least, aspect);
+  histogram_.add(std::span(figures.greatest).first(count), std::span(figures.aspect).first(count),
+                 inverted);
+  corners_.clear();
 }
 
-/// Of faces. Exact where a face may be the worst, or is about as far from orthogonal as is allowed.
+void CellSums::add_to(MeshQuality& quality, WorstCells& worst) const {
+  quality.cells.histogram.merge(histogram_);
+  quality.cells.histogram.add_volume(volume_);
+  quality.faults.cells += faults_.cells;
+  quality.faults.thin += faults_.thin;
+  for (std::size_t i = 0; i < kAskedBounds.size(); ++i)
+    quality.faults.outside[i] += faults_.outside[i];
+  for (const WorstCell& cell : worst_.cells()) worst.add(cell);
+}
+
+/// Of faces: the worst, and how many are too far from orthogonal.
 class FaceSums {
  public:
-  void add(const std::array<Point3, 3>& face, const Point3& c0, const Point3& c1) {
+  /// Between cells with these centres.
+  void add(const std::array<const Point3*, 3>& face, const Point3& c0, const Point3& c1) {
     ++faces_.faces;
-    const Point3 n = cross(minus(face[1], face[0]), minus(face[2], face[0]));
-    const Point3 d = minus(c1, c0);
-    const double n_d = dot(n, d), dd = dot(d, d);
-    const Point3 centre = {(face[0][0] + face[1][0] + face[2][0]) / 3,
-                           (face[0][1] + face[1][1] + face[2][1]) / 3,
-                           (face[0][2] + face[1][2] + face[2][2]) / 3};
-    const Point3 to_centre = minus(centre, c0);
-    const double share = dot(n, to_centre) / n_d;
-    const Point3 skew = {to_centre[0] - share * d[0], to_centre[1] - share * d[1],
-                         to_centre[2] - share * d[2]};
-    const double ss = dot(skew, skew);
-    double q2 = 0.04 * dd * ss;  // of skewness, the squared denominator
-    for (const Point3& corner : face) {
-      const double q = dot(skew, minus(corner, centre));
-      q2 = std::max(q2, q * q);
-    }
-    if (n_d * n_d > straight2_ * (dot(n, n) * dd) && ss * ss < skewness2_ * q2) return;
-    const FaceShape shape = face_shape(face, c0, c1);
-    faces_.above_70 += shape.non_orthogonality_deg > kMostNonOrthogonal ? 1 : 0;
-    worsen({shape.non_orthogonality_deg, shape.skewness});
+    rows_.add({face[0], face[1], face[2], &c0, &c1});
+    if (rows_.is_full()) measure();
   }
   void add_boundary(const std::array<Point3, 3>& face, const Point3& centre) {
     worsen({0, boundary_skewness(face, centre)});
   }
-  void add(const FaceSums& other) {
-    faces_.faces += other.faces_.faces;
-    faces_.above_70 += other.faces_.above_70;
-    worsen(other.faces_.worst);
+  /// Those that are left.
+  void measure() {
+    std::array<double, kTetBatch> is_worse;
+    find_worse_faces(rows_, straight2_, skewness2_, is_worse);
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+      if (is_worse[k] == 0) continue;
+      const auto [a, b, c, c0, c1] = rows_[k];
+      const FaceShape shape = face_shape({a, b, c}, c0, c1);
+      faces_.above_70 += shape.non_orthogonality_deg > kMostNonOrthogonal ? 1 : 0;
+      worsen({shape.non_orthogonality_deg, shape.skewness});
+    }
+    rows_.clear();
   }
-  const FaceQuality& quality() const { return faces_; }
+  void add_to(FaceQuality& quality) const {
+    quality.faces += faces_.faces;
+    quality.above_70 += faces_.above_70;
+    quality.worst = {
+        std::max(quality.worst.non_orthogonality_deg, faces_.worst.non_orthogonality_deg),
+        std::max(quality.worst.skewness, faces_.worst.skewness)};
+  }
 
  private:
   void worsen(const FaceShape& shape) {
@@ -145,78 +171,141 @@ class FaceSums {
     straight2_ = std::pow(std::cos(to_radians(degrees)), 2) + kMargin;
     skewness2_ = worst.skewness * worst.skewness * (1 - kMargin);
   }
+  PointRows<5> rows_;
   FaceQuality faces_;
+  // A face may be the worst, or about as far from orthogonal as is allowed, if it is not above the
+  // one or below the other.
   double straight2_ = 2, skewness2_ = 0;
 };
+
+/// Measures fans: their cells, and the faces below, between and on the boundary of these.
+class FanSweep {
+ public:
+  FanSweep(const ColumnMesh& mesh, const CellsByTop& tops, double top, CellSums& cells,
+           FaceSums& faces)
+      : mesh_(mesh), upper_(mesh.upper), tops_(tops), top_(top), cells_(cells), faces_(faces) {}
+  void measure(std::size_t fan) {
+    if (upper_.fans[fan].up.valid())
+      measure_rise(fan);
+    else
+      measure_end(fan);
+  }
+
+ private:
+  Point3 at(UpperPlace p) const { return upper_position(mesh_, p); }
+  std::array<Point3, 4> corners(const UpperMesh::Cell& cell) const {
+    return {at(cell[0]), at(cell[1]), at(cell[2]), at(cell[3])};
+  }
+  void add_top(const std::array<Point3, 3>& face, const Point3& centre) {
+    if (face[0][2] == top_ && face[1][2] == top_ && face[2][2] == top_)
+      faces_.add_boundary(face, centre);
+  }
+  void measure_rise(std::size_t f);
+  void measure_end(std::size_t f);
+
+  const ColumnMesh& mesh_;
+  const UpperMesh& upper_;
+  const CellsByTop& tops_;
+  double top_;
+  CellSums& cells_;
+  FaceSums& faces_;
+  std::vector<Point3> around_, centres_;
+};
+
+void FanSweep::measure_rise(std::size_t f) {
+  const UpperFan &fan = upper_.fans[f], &next = upper_.fans[f + 1];
+  const std::size_t count = next.cell - fan.cell;
+  const UpperPlace* const others = upper_.others.data() + fan.other;
+  const Point3 node = at(fan.node), up = at(fan.up);
+  around_.clear();
+  centres_.clear();
+  for (std::size_t k = 0; k <= count; ++k) around_.push_back(at(others[k]));
+  for (std::size_t k = 0; k < count; ++k) {
+    const Point3 &a = around_[k], &b = around_[k + 1];
+    cells_.add({&node, &a, &b, &up});
+    centres_.push_back(centre_of({node, a, b, up}));
+    if (up[2] == top_) add_top({a, b, up}, centres_[k]);
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    const Point3 &a = around_[k], &b = around_[k + 1];
+    if (k + 1 < count) faces_.add({&node, &up, &b}, centres_[k], centres_[k + 1]);
+    const auto found = tops_.find({fan.node, others[k], others[k + 1]});
+    if (!found) continue;
+    const std::array<Point3, 4> below = corners(upper_.cell(found->fan, found->cell));
+    if (fan.cell + k < found->cell)
+      faces_.add({&node, &b, &a}, centres_[k], centre_of(below));
+    else
+      faces_.add({&below[1], &below[2], &below[3]}, centre_of(below), centres_[k]);
+  }
+  if (others[0] == others[count]) {
+    faces_.add({&node, &around_[0], &up}, centres_[0], centres_[count - 1]);
+  } else {  // Columns at the rim do not end.
+    faces_.add_boundary({node, around_[0], up}, centres_[0]);
+    faces_.add_boundary({node, up, around_[count]}, centres_[count - 1]);
+  }
+}
+
+void FanSweep::measure_end(std::size_t f) {
+  const auto points = [&](const UpperTriangle& p) {
+    return std::array<Point3, 3>{at(p[0]), at(p[1]), at(p[2])};
+  };
+  for (std::size_t c = upper_.fans[f].cell; c < upper_.fans[f + 1].cell; ++c) {
+    const UpperMesh::Cell cell = upper_.cell(f, c);
+    const std::array<Point3, 4> p = corners(cell);
+    cells_.add({&p[0], &p[1], &p[2], &p[3]});
+    add_top(points(fan_face(cell, FanFace::kTop)), centre_of(p));
+  }
+  visit_faces_of(upper_, tops_, f, [&](const InnerFace& face) {
+    const std::array<Point3, 3> p = points(face.places);
+    faces_.add({&p[0], &p[1], &p[2]}, centre_of(corners(face.corners[0])),
+               centre_of(corners(face.corners[1])));
+  });
+}
 
 }  // namespace
 
 void add_upper_quality(const ColumnMesh& mesh, std::size_t worst, MeshQuality& quality) {
   const UpperMesh& upper = mesh.upper;
-  const auto corners = [&](const UpperMesh::Cell& cell) {
-    const auto at = [&](std::size_t i) { return upper_position(mesh, cell[i]); };
-    return Corners{at(0), at(1), at(2), at(3)};
-  };
-  const std::size_t cells = upper.cells();
-  constexpr std::size_t kBlock = 16384;
-  const std::size_t blocks = (cells + kBlock - 1) / kBlock;
-  const std::size_t grain = grain_of_chunks(blocks, 16);  // each has a histogram
-  std::vector<CellSums> sums((blocks + grain - 1) / grain);
-  parallel_chunks(blocks, grain, [&](std::size_t block, std::size_t end) {
-    CellSums& own = sums[block / grain];
-    WorstCells own_worst(worst);
-    std::vector<Corners> here;
-    for (; block < end; ++block) {
-      here.clear();
-      upper.for_each_cell(block * kBlock, std::min((block + 1) * kBlock, cells),
-                          [&](const UpperMesh::Cell& cell) { here.push_back(corners(cell)); });
-      add_cells(here, own_worst, own);
-    }
-    own.worst = own_worst.cells();
-  });
+  const CellsByTop tops(mesh);
+  const double top = top_of(mesh);
+  const std::size_t fans = upper.fans.size() - 1;
+  const std::size_t grain = grain_of_chunks(fans, 16);  // each has a histogram
   WorstCells all(worst);
   for (const WorstCell& cell : quality.cells.worst) all.add(cell);
-  for (const CellSums& part : sums) {
-    quality.cells.histogram.merge(part.histogram);
-    for (const double volume : part.volumes) quality.cells.histogram.add_volume(volume);
-    quality.faults.cells += part.faults.cells;
-    quality.faults.thin += part.faults.thin;
-    for (std::size_t i = 0; i < kAskedBounds.size(); ++i)
-      quality.faults.outside[i] += part.faults.outside[i];
-    for (const WorstCell& cell : part.worst) all.add(cell);
-  }
+  std::vector<std::optional<CellSums>> cells((fans + grain - 1) / grain);
+  std::vector<FaceSums> faces(cells.size());
+  parallel_chunks(fans, grain, [&](std::size_t begin, std::size_t end) {
+    CellSums& own = cells[begin / grain].emplace(worst);
+    FaceSums& beside = faces[begin / grain];
+    FanSweep sweep(mesh, tops, top, own, beside);
+    for (std::size_t f = begin; f < end; ++f) sweep.measure(f);
+    own.measure();
+    beside.measure();
+  });
+  for (const auto& part : cells) part->add_to(quality, all);
+  for (const FaceSums& part : faces) part.add_to(quality.faces);
   quality.cells.worst = all.cells();
 
-  const auto centre = [&](const UpperMesh::Cell& cell) { return centre_of(corners(cell)); };
-  const auto points = [&](const std::array<UpperPlace, 3>& p) {
-    const auto at = [&](std::size_t i) { return upper_position(mesh, p[i]); };
-    return std::array<Point3, 3>{at(0), at(1), at(2)};
-  };
-  std::vector<FaceSums> parts(inner_face_chunks(mesh));
-  visit_inner_faces(mesh, [&](std::size_t chunk, const InnerFace& face) {
-    parts[chunk].add(points(face.places), centre(face.corners[0]), centre(face.corners[1]));
-  });
-  FaceSums faces;
-  for (const FaceSums& part : parts) faces.add(part);
-  visit_outer_faces(
-      mesh, [&](std::size_t, const UpperMesh::Cell& cell, const std::array<UpperPlace, 3>& places,
-                bool) { faces.add_boundary(points(places), centre(cell)); });
   const CellIndex first = cell_offsets(mesh)[mesh.triangle_count()];
-  for (const TriangleIndex t : mesh.ground.triangles.indices()) {
-    if (!mesh.is_covered(t)) continue;
-    const auto& v = mesh.ground.triangles[t];
-    const auto above = static_cast<std::size_t>(upper.over_lid[t] - first);
-    upper.for_each_cell(above, above + 1, [&](const UpperMesh::Cell& cell) {
-      const auto end = [&](std::size_t i) { return UpperPlace(v[i].value()); };
-      faces.add(points({end(0), end(1), end(2)}), centre_of(uppermost_cell(mesh, t)), centre(cell));
-    });
-  }
-  FaceQuality& result = quality.faces;
-  result.faces += faces.quality().faces;
-  result.above_70 += faces.quality().above_70;
-  result.worst = {
-      std::max(result.worst.non_orthogonality_deg, faces.quality().worst.non_orthogonality_deg),
-      std::max(result.worst.skewness, faces.quality().worst.skewness)};
+  const std::size_t triangles = grain_of_chunks(mesh.triangle_count(), 16);
+  std::vector<FaceSums> on_lid((mesh.triangle_count() + triangles - 1) / triangles);
+  parallel_chunks(mesh.triangle_count(), triangles, [&](std::size_t begin, std::size_t end) {
+    FaceSums& own = on_lid[begin / triangles];
+    for (const TriangleIndex t : indices<TriangleIndex>(begin, end)) {
+      if (!mesh.is_covered(t)) continue;
+      const auto& v = mesh.ground.triangles[t];
+      const auto at = [&](std::size_t i) { return position(mesh, v[i], mesh.top(v[i])); };
+      const std::array<Point3, 3> face{at(0), at(1), at(2)};
+      const auto above = static_cast<std::size_t>(upper.over_lid[t] - first);
+      upper.for_each_cell(above, above + 1, [&](const UpperMesh::Cell& cell) {
+        std::array<Point3, 4> p;
+        for (std::size_t i = 0; i < 4; ++i) p[i] = upper_position(mesh, cell[i]);
+        own.add({&face[0], &face[1], &face[2]}, centre_of(uppermost_cell(mesh, t)), centre_of(p));
+      });
+    }
+    own.measure();
+  });
+  for (const FaceSums& part : on_lid) part.add_to(quality.faces);
 }
 
 }  // namespace tetropolis

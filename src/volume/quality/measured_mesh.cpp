@@ -379,9 +379,23 @@ MeshQuality MeasuredMesh::quality(const ColumnMesh& mesh, std::size_t worst) con
   return quality;
 }
 
+void measure_ends(const ColumnMesh& mesh, std::size_t worst, MeshQuality& quality) {
+  double& skewness = quality.faces.worst.skewness;
+  skewness = parallel_reduce_ordered(
+      mesh.triangle_count(), 4096, skewness,
+      [&](std::size_t begin, std::size_t end) {
+        double greatest = 0;
+        for (const TriangleIndex t : indices<TriangleIndex>(begin, end))
+          greatest = std::max(greatest, skewness_at_ends(mesh, t));
+        return greatest;
+      },
+      [](double a, double b) { return std::max(a, b); });
+  if (!mesh.upper.empty()) add_upper_quality(mesh, worst, quality);
+}
+
 MeshQuality measure_quality(const ColumnMesh& mesh, std::size_t worst) {
   MeshQuality quality = MeasuredMesh(mesh, MeasuredMesh::Counting::kHistogram).quality(mesh, worst);
-  if (!mesh.upper.empty()) add_upper_quality(mesh, worst, quality);
+  measure_ends(mesh, worst, quality);
   return quality;
 }
 

@@ -73,7 +73,8 @@ class MeasuredMesh {
   /// The same for the faces alone.
   std::vector<std::uint8_t> steep_triangles(const ColumnMesh& mesh) const;
 
-  /// Lists the `worst` worst cells. Precondition: made with kHistogram.
+  /// Without what measure_ends() adds. Lists the `worst` worst cells. Precondition: made with
+  /// kHistogram.
   MeshQuality quality(const ColumnMesh& mesh, std::size_t worst) const;
 
  private:
@@ -101,6 +102,10 @@ class MeasuredMesh {
   std::vector<Faces> beside_;  // per edge
   std::optional<QualityHistogram> histogram_;
 };
+
+/// Adds the faces at the ends of the mesh's columns, and the upper part, to the figures of these:
+/// they may have been measured before it had one, and before it had layers.
+void measure_ends(const ColumnMesh& mesh, std::size_t worst, MeshQuality& quality);
 
 /// Everything about a mesh that does not change any more.
 MeshQuality measure_quality(const ColumnMesh& mesh, std::size_t worst);

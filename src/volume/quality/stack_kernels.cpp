@@ -179,8 +179,6 @@ void FrontStore::add(const ColumnMesh& mesh, TriangleIndex t) {
   const auto [a, b, c] = triangle;
   Place place{{}, used_};
   Fronts& fronts = place.fronts;
-  fronts.is_covered = mesh.is_covered(t);
-  fronts.is_on_layers = mesh.has_layers(t);
   fronts.turn = int{a < b} + int{b < c} + int{c < a} == 2 ? 1 : -1;
   std::array<const double*, 3> at{}, last{}, level{};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -289,18 +287,6 @@ void StackKernels::measure(const Fronts& fronts) {
     cells_.inverted += volumes[k] > 0 ? 0 : 1;
   }
   faces_ = figures(cells - 1);
-  // At the ends, where the perpendicular from the cell's centre meets the face.
-  const auto add_end = [&](std::size_t front, std::size_t cell, double other) {
-    const double a = z0[front], b = z1[front], c = z2[front], z = (a + b + c) / 3;
-    const double nx = at(kNormalX)[front], ny = at(kNormalY)[front], nz = at(kNormalZ)[front];
-    const double x = -at(kX)[cell], y = -at(kY)[cell], up = z - other;
-    const double along = nx * x + ny * y + nz * up;
-    faces_.skewness2 = greater(
-        faces_.skewness2, squared_skewness(base, x - along * nx, y - along * ny, up - along * nz,
-                                           0.16 * along * along, a - z, b - z, c - z));
-  };
-  if (!fronts.is_on_layers) add_end(0, 0, at(kTo)[0]);
-  if (!fronts.is_covered) add_end(cells, cells - 1, at(kFrom)[cells - 1]);
 }
 
 FaceFigures StackKernels::measure_between(Point2 a, Point2 b, const std::array<Point2, 2>& opposite,

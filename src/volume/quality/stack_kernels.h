@@ -22,8 +22,6 @@ struct Fronts {
   std::array<Point2, 3> corner{};    ///< In ascending order of vertices, as all that follows.
   double turn = 1;                   ///< -1: that is not the triangle's order.
   std::array<const double*, 3> z{};  ///< Per column: its elevation in each of cells + 1 fronts.
-  bool is_covered = false;           ///< By cells of the upper part.
-  bool is_on_layers = false;         ///< Prisms are below.
   std::size_t cells = 0;             ///< From each front to the next, one column rises.
 };
 
@@ -71,7 +69,7 @@ struct FaceFigures {
 
 class StackKernels {
  public:
-  /// Measures the cells over a triangle, the faces between them, and those at their two ends.
+  /// Measures the cells over a triangle and the faces between them.
   void measure(const Fronts& fronts);
   const CellFigures& cells() const { return cells_; }
   const FaceFigures& faces() const { return faces_; }

@@ -121,8 +121,9 @@ struct FrontColumn {
 /// When a column is to go: before those around it that are due later, or as late and of a higher
 /// vertex.
 struct Turn {
-  double due = kInfinity;           // its key when that was found; infinity: done
-  std::int32_t tile = 0, held = 0;  // The phase in which it, or one due before it, is left for later.
+  double due = kInfinity;  // its key when that was found; infinity: done
+  std::int32_t tile = 0,
+               held = 0;  // The phase in which it, or one due before it, is left for later.
 };
 
 /// A column around another, and the triangle to the left of the edge to it.
