@@ -16,9 +16,7 @@ TETROPOLIS_INLINE double lesser(double a, double b) { return b < a ? b : a; }
 struct Vector {
   double x, y, z;
 };
-TETROPOLIS_INLINE Vector operator-(Vector a, Vector b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
+TETROPOLIS_INLINE Vector operator-(Vector a, Vector b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 TETROPOLIS_INLINE Vector cross(Vector a, Vector b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
@@ -47,14 +45,14 @@ TETROPOLIS_WIDE void measure_tets(std::size_t count, const double* __restrict p,
     const double c13 = -dot(n1, n3) * (q1 * q3), c23 = -dot(n2, n3) * (q2 * q3);
     greatest[k] = greater(greater(greater(c01, c02), greater(c03, c12)), greater(c13, c23));
     least[k] = lesser(lesser(lesser(c01, c02), lesser(c03, c12)), lesser(c13, c23));
-    const double longest2 =
-        greater(greater(greater(dot(e01, e01), dot(e02, e02)), greater(dot(e03, e03), dot(e12, e12))),
-                greater(dot(e13, e13), dot(e23, e23)));
+    const double longest2 = greater(
+        greater(greater(dot(e01, e01), dot(e02, e02)), greater(dot(e03, e03), dot(e12, e12))),
+        greater(dot(e13, e13), dot(e23, e23)));
     const double six_volumes = -dot(n3, e03);
     volume[k] = six_volumes / 6;
-    aspect[k] = six_volumes != 0 ? std::sqrt(longest2 / 24) * (l0 + l1 + l2 + l3) /
-                                       std::abs(six_volumes)
-                                 : kInfinity;
+    aspect[k] = six_volumes != 0
+                    ? std::sqrt(longest2 / 24) * (l0 + l1 + l2 + l3) / std::abs(six_volumes)
+                    : kInfinity;
   }
 }
 

@@ -49,8 +49,8 @@ struct TetFigures {
 void measure_tets(const PointRows<4>& corners, TetFigures& figures);
 
 /// Of faces: three corners and the centres of the cells on both sides. Sets `is_worse` to 0
-/// where the squared cosine of non-orthogonality is above `straight2` and the squared skewness below
-/// `skewness2`, and to more elsewhere.
+/// where the squared cosine of non-orthogonality is above `straight2` and the squared skewness
+/// below `skewness2`, and to more elsewhere.
 void find_worse_faces(const PointRows<5>& faces, double straight2, double skewness2,
                       std::array<double, kTetBatch>& is_worse);
 

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <limits>
+#include <numeric>
+#include <optional>
+#include <queue>
 #include <tuple>
 #include <utility>
 
@@ -12,6 +16,7 @@
 
 #include "core/infinity.h"
 #include "core/parallel.h"
+#include "core/sort_once.h"
 #include "core/units.h"
 #include "volume/column/fill_columns.h"
 #include "volume/column/upper_faces.h"
@@ -115,6 +120,7 @@ struct FrontColumn {
   double spacing = 0;         // In the front as it is,
   double longest = -1;        // as is the longest edge; negative: to be found anew.
   std::int32_t cells = 0;     // that it has made
+  std::int16_t risen = 0;     // so often
   bool stays = false;         // at the rim
 };
 
@@ -132,18 +138,21 @@ struct Neighbour {
   Piece piece;
 };
 
+}  // namespace
+
 /// The front.
 struct Front {
-  Front(const ColumnMesh& mesh, double top_, std::span<const double> shares_);
-
-  double top;
+  double top = 0;
   std::span<const double> shares;
   std::vector<FrontColumn> columns;      // per vertex
   std::vector<Turn> turns;               // per vertex
   std::vector<FrontTriangle> triangles;  // by triangle of the ground mesh
-  /// Per vertex, counter-clockwise, at the rim from there to there; none where it has ended.
+  /// Per vertex, counter-clockwise, at the rim from there to there; none where it has ended, or
+  /// does not climb now.
   std::vector<std::vector<Neighbour>> around;
 };
+
+namespace {
 
 /// Orders those around v, of which each begins a triangle of the ground.
 void order_around(VertexIndex v, const GroundMesh& ground, std::vector<Neighbour>& around) {
@@ -169,50 +178,62 @@ void order_around(VertexIndex v, const GroundMesh& ground, std::vector<Neighbour
     around.push_back({next(around.back()), kNoPiece});
 }
 
-Front::Front(const ColumnMesh& mesh, double top_, std::span<const double> shares_)
-    : top(top_),
-      shares(shares_),
-      columns(mesh.vertex_count()),
-      turns(mesh.vertex_count()),
-      triangles(mesh.triangle_count()),
-      around(mesh.vertex_count()) {
-  for (const VertexIndex v : mesh.ground.vertices.indices()) {
-    columns[v].at = position(mesh, v, mesh.top(v));
-    columns[v].lid = columns[v].at[2];
-  }
-  for (const EdgeIndex e : mesh.edges.vertices.indices()) {
+/// Puts the column on the lid.
+void start_column(const ColumnMesh& mesh, VertexIndex v, Front& front) {
+  FrontColumn& own = front.columns[v];
+  own = {};
+  own.at = position(mesh, v, mesh.top(v));
+  own.lid = own.at[2];
+  std::vector<TriangleIndex> triangles;
+  const auto add = [&](EdgeIndex e) {
     const auto [a, b] = mesh.edges.vertices[e];
     const Point2 p = mesh.ground.vertices[a], q = mesh.ground.vertices[b];
-    const double length = std::hypot(q.x - p.x, q.y - p.y);
-    for (const VertexIndex v : {a, b}) {
-      columns[v].edge = std::max(columns[v].edge, length);
-      if (mesh.edges.triangles[e][1] == kNoTriangle) columns[v].stays = true;
-    }
+    own.edge = std::max(own.edge, std::hypot(q.x - p.x, q.y - p.y));
+    for (const TriangleIndex t : mesh.edges.triangles[e])
+      if (t == kNoTriangle)
+        own.stays = true;
+      else
+        triangles.push_back(t);
+  };
+  for (const EdgeIndex e : mesh.edges.starting_at(v)) add(e);
+  for (const EdgeIndex e : mesh.edges.ends[v]) add(e);
+  sort_once(triangles);
+  std::vector<Neighbour>& around = front.around[v];
+  around.clear();
+  for (const TriangleIndex t : triangles) {
+    const auto& c = mesh.ground.triangles[t];
+    around.push_back({c[0] == v ? c[1] : c[1] == v ? c[2] : c[0], t.value()});
   }
-  for (const TriangleIndex t : mesh.ground.triangles.indices()) {
-    const auto& v = mesh.ground.triangles[t];
-    for (std::size_t i = 0; i < 3; ++i) around[v[i]].push_back({v[(i + 1) % 3], t.value()});
-    triangles[t] = {t.value(), VertexIndex(0), -kInfinity, centre_of(uppermost_cell(mesh, t)),
-                    true};
-  }
-  parallel_chunks(columns.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (const VertexIndex v : indices<VertexIndex>(begin, end))
-      order_around(v, mesh.ground, around[v]);
-  });
+  order_around(v, mesh.ground, around);
+}
+
+void start_triangle(const ColumnMesh& mesh, TriangleIndex t, Front& front) {
+  front.triangles[t] = {t.value(), VertexIndex(0), -kInfinity, centre_of(uppermost_cell(mesh, t)),
+                        true};
 }
 
 /// Has columns of one tile climb.
 class Climber {
  public:
-  Climber(Front& front, FrontSteps& done) : front_(front), done_(done) {}
+  Climber(Front& front, FrontSteps& done, bool tells_risen = false)
+      : front_(front), done_(done), tells_risen_(tells_risen) {}
 
   /// When the column is due for the first time.
   void set_due(VertexIndex v);
   /// Has the column climb to the top, and others of its tile as far as it waits for them; in the
   /// phase, from 1 on.
   void climb(VertexIndex first, std::int32_t phase);
+  /// Has columns climb to the top, among others that do again what the record tells of them.
+  /// Returns whether that was possible: otherwise the others would have done something else.
+  bool climb(std::span<const VertexIndex> columns, std::span<const VertexIndex> others,
+             const FrontRecord& record);
 
  private:
+  /// A triangle of the front where a column has ended.
+  struct CapCorners {
+    std::array<VertexIndex, 3> vertices;
+    Piece piece;
+  };
   /// A triangle around a vertex, from which it is to the left of the edge from `vertex` to `next`.
   struct Spoke {
     VertexIndex vertex, next;
@@ -248,6 +269,11 @@ class Climber {
   Worst worst_of_rise(VertexIndex v, double to, double least_share) const;
   void add_step(VertexIndex v, double to) {
     done_.steps.push_back({to, v, static_cast<std::int32_t>(star_.size())});
+    done_.orders.push_back(column(v).order);
+  }
+  void add_other(VertexIndex v) {
+    done_.others.push_back(v);
+    if (tells_risen_) done_.risen.push_back(column(v).risen);
   }
   /// By the nth cell of the step of v.
   void cover(const Spoke& spoke, VertexIndex v, std::int32_t nth) {
@@ -260,10 +286,13 @@ class Climber {
   }
   void rise(VertexIndex v, double to);
   bool end(VertexIndex v, double least_share, double least_angle);
+  void close(VertexIndex u, VertexIndex v, std::span<const CapCorners> caps);
   void go(VertexIndex v);
+  void repeat(VertexIndex v, const FrontRecord::Step& step);
 
   Front& front_;
   FrontSteps& done_;
+  bool tells_risen_, is_sound_ = true;
   std::vector<Spoke> star_;  // of the vertex that is looked at
   std::vector<VertexIndex> waiting_;
 };
@@ -361,8 +390,8 @@ Worst Climber::worst_of_rise(VertexIndex v, double to, double least_share) const
 void Climber::rise(VertexIndex v, double to) {
   FrontColumn& own = column(v);
   add_step(v, to);
-  for (const Spoke& spoke : star_) done_.others.push_back(spoke.vertex);
-  done_.others.push_back(star_.back().next);
+  for (const Spoke& spoke : star_) add_other(spoke.vertex);
+  add_other(star_.back().next);
   const Point3 up{own.at[0], own.at[1], to};
   for (std::size_t i = 0; i < star_.size(); ++i) {
     const Spoke& spoke = star_[i];
@@ -370,6 +399,7 @@ void Climber::rise(VertexIndex v, double to) {
     triangle(spoke).centre = centre_of({own.at, at(spoke.vertex), at(spoke.next), up});
   }
   own.cells += done_.steps.back().cells();
+  ++own.risen;
   own.at = up;
 }
 
@@ -453,47 +483,88 @@ bool Climber::end(VertexIndex v, double least_share, double least_angle) {
   const double order = column(v).order;
   add_step(v, std::numeric_limits<double>::quiet_NaN());
   for (std::size_t i = 0; i < n; ++i) cover(star_[i], v, over[i]);
-  // Of edges of the ring's polygon, from a to b: the cap to the left, and its third corner.
-  struct Side {
-    std::int32_t cap, third;
-  };
-  std::array<Side, kMost * kMost> sides;
+  std::array<CapCorners, kMost> covers;
   for (std::size_t i = 0; i < count; ++i) {
     triangle(star_[i]) = {static_cast<std::int32_t>(i), v, order, caps[i].centre, false};
+    covers[i].piece = star_[i].piece;
     for (std::size_t c = 0; c < 3; ++c) {
-      const std::size_t a = caps[i].ring[c], b = caps[i].ring[(c + 1) % 3];
-      sides[a * n + b] = {static_cast<std::int32_t>(i),
-                          static_cast<std::int32_t>(caps[i].ring[(c + 2) % 3])};
-      done_.others.push_back(star_[a].vertex);
+      covers[i].vertices[c] = star_[caps[i].ring[c]].vertex;
+      add_other(covers[i].vertices[c]);
     }
   }
-  for (std::size_t i = 0; i < n; ++i) {
-    const VertexIndex u = star_[i].vertex;
-    column(u).longest = -1;
-    std::vector<Neighbour>& around = front_.around[u];
-    auto place = std::find_if(around.begin(), around.end(),
-                              [&](const Neighbour& other) { return other.vertex == v; });
-    // The caps at u are where v was, from its next to its last on the ring.
-    const std::size_t next = (i + 1) % n, last = (i + n - 1) % n;
-    const auto piece_of = [&](const Side& side) {
-      return star_[static_cast<std::size_t>(side.cap)].piece;
-    };
-    Side side = sides[i * n + next];
-    (place == around.begin() ? around.back() : *(place - 1)).piece = piece_of(side);
-    bool is_first = true;
-    while (static_cast<std::size_t>(side.third) != last) {
-      const auto corner = static_cast<std::size_t>(side.third);
-      side = sides[i * n + corner];
-      const Neighbour other{star_[corner].vertex, piece_of(side)};
-      if (std::exchange(is_first, false))
-        *place = other;
-      else
-        place = around.insert(place + 1, other);
-    }
-    if (is_first) around.erase(place);
-  }
+  for (const Spoke& spoke : star_) close(spoke.vertex, v, std::span(covers).first(count));
   front_.around[v].clear();
   return true;
+}
+
+/// Has the caps at u around it where v was.
+void Climber::close(VertexIndex u, VertexIndex v, std::span<const CapCorners> caps) {
+  column(u).longest = -1;
+  std::vector<Neighbour>& around = front_.around[u];
+  auto place = std::find_if(around.begin(), around.end(),
+                            [&](const Neighbour& other) { return other.vertex == v; });
+  if (around.empty()) return;  // It does again what it has done.
+  is_sound_ = is_sound_ && place != around.end();
+  if (!is_sound_) return;
+  Neighbour& before = place == around.begin() ? around.back() : *(place - 1);
+  const VertexIndex last = place + 1 == around.end() ? around.front().vertex : (place + 1)->vertex;
+  // The third corner of the cap to the left of the edge from u, and its piece.
+  const auto beyond = [&](VertexIndex from) {
+    for (const CapCorners& cap : caps)
+      for (std::size_t c = 0; c < 3; ++c)
+        if (cap.vertices[c] == u && cap.vertices[(c + 1) % 3] == from)
+          return Neighbour{cap.vertices[(c + 2) % 3], cap.piece};
+    is_sound_ = false;
+    return Neighbour{last, kNoPiece};
+  };
+  Neighbour next = beyond(before.vertex);
+  before.piece = next.piece;
+  bool is_first = true;
+  while (next.vertex != last) {
+    const Neighbour after = beyond(next.vertex);
+    const Neighbour other{next.vertex, after.piece};
+    if (std::exchange(is_first, false))
+      *place = other;
+    else
+      place = around.insert(place + 1, other);
+    next = after;
+  }
+  if (is_first) around.erase(place);
+}
+
+/// What it has done before; only the pieces at columns that are told of it change.
+void Climber::repeat(VertexIndex v, const FrontRecord::Step& step) {
+  FrontColumn& own = column(v);
+  const std::span<const VertexIndex> others = step.others();
+  if (step.step->is_end()) {
+    std::vector<CapCorners> caps;
+    for (std::size_t i = 0; 3 * i < others.size(); ++i) {
+      const std::array<VertexIndex, 3> c{others[3 * i], others[3 * i + 1], others[3 * i + 2]};
+      caps.push_back({c, static_cast<Piece>(front_.triangles.size())});
+      front_.triangles.push_back({static_cast<std::int32_t>(i), v, step.order,
+                                  centre_of({own.at, at(c[0]), at(c[1]), at(c[2])}), false});
+    }
+    std::vector<VertexIndex> ring(others.begin(), others.end());
+    sort_once(ring);
+    for (const VertexIndex u : ring) close(u, v, caps);
+    return;
+  }
+  const Point3 up{own.at[0], own.at[1], step.step->to};
+  for (std::size_t k = 0; k + 1 < others.size(); ++k) {
+    const VertexIndex a = others[k], b = others[k + 1];
+    // Of a triangle v - a - b, which a or b may be told of.
+    Piece piece = kNoPiece;
+    for (const Neighbour& other : front_.around[a])
+      if (other.vertex == b) piece = other.piece;
+    for (const Neighbour& other : front_.around[b])
+      if (other.vertex == v) piece = other.piece;
+    if (piece == kNoPiece) continue;
+    FrontTriangle& triangle = front_.triangles[static_cast<std::size_t>(piece)];
+    triangle.centre = centre_of({own.at, at(a), at(b), up});
+    triangle.is_lid = false;
+  }
+  own.at = up;
+  ++own.risen;
 }
 
 /// Its turn has come.
@@ -549,6 +620,36 @@ void Climber::climb(VertexIndex first, std::int32_t phase) {
   }
 }
 
+bool Climber::climb(std::span<const VertexIndex> columns, std::span<const VertexIndex> others,
+                    const FrontRecord& record) {
+  using Entry = std::pair<double, VertexIndex>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  const auto wait = [&](double due, VertexIndex v) {
+    if (due < kInfinity) queue.emplace(due, v);
+  };
+  for (const VertexIndex v : columns) wait(front_.turns[v].due, v);
+  std::vector<std::size_t> repeated(others.size(), 0);  // steps of each
+  const auto wait_again = [&](std::size_t i) {
+    const std::span<const FrontRecord::Step> steps = record.steps_of(others[i]);
+    if (repeated[i] < steps.size()) wait(steps[repeated[i]].order, others[i]);
+  };
+  for (std::size_t i = 0; i < others.size(); ++i) wait_again(i);
+  while (is_sound_ && !queue.empty()) {
+    const VertexIndex v = queue.top().second;
+    queue.pop();
+    const auto found = std::lower_bound(others.begin(), others.end(), v);
+    if (found != others.end() && *found == v) {
+      const auto i = static_cast<std::size_t>(found - others.begin());
+      repeat(v, record.steps_of(v)[repeated[i]++]);
+      wait_again(i);
+    } else {
+      go(v);
+      wait(front_.turns[v].due, v);
+    }
+  }
+  return is_sound_;
+}
+
 /// Square tiles over the ground, from its lower left corner or shifted by half of one.
 class Tiles {
  public:
@@ -580,41 +681,109 @@ std::size_t useful_tiles(const ColumnMesh& mesh) {
   return static_cast<std::size_t>(std::max(across, 1.0));
 }
 
-std::vector<std::vector<FrontSteps>> climb_to_top(const ColumnMesh& mesh, double top,
-                                                  std::span<const double> shares,
-                                                  std::size_t tiles) {
-  Front front(mesh, top, shares);
-  parallel_chunks(front.columns.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    FrontSteps none;
-    Climber climber(front, none);
-    for (const VertexIndex v : indices<VertexIndex>(begin, end)) climber.set_due(v);
+FrontRecord::FrontRecord(const FrontPhases& phases, std::span<const std::uint8_t> is_kept)
+    : first_(is_kept.size() + 1, 0) {
+  const auto for_all = [&](const auto& visit) {
+    for (const std::vector<FrontSteps>& tiles : phases)
+      for (const FrontSteps& tile : tiles) {
+        const double* order = tile.orders.data();
+        for_each_step(tile, [&](const FrontStep& step, std::span<const VertexIndex> others) {
+          const double own = *order++;
+          if (is_kept[step.vertex] != 0) visit(step, others, own);
+        });
+      }
+  };
+  for_all([&](const FrontStep& step, auto, double) { ++first_[step.vertex + 1]; });
+  std::inclusive_scan(first_.begin(), first_.end(), first_.begin());
+  steps_.resize(first_.back());
+  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+  for_all([&](const FrontStep& step, std::span<const VertexIndex> others, double order) {
+    steps_[next[step.vertex]++] = {&step, others.data(), order};
   });
-  std::vector<std::vector<FrontSteps>> phases;
+}
+
+FrontClimb::FrontClimb(const ColumnMesh& mesh, double top, std::size_t tiles)
+    : mesh_(mesh), tiles_(tiles), front_(std::make_unique<Front>()) {
+  front_->top = top;
+  front_->columns.resize(mesh.vertex_count());
+  front_->turns.resize(mesh.vertex_count());
+  front_->triangles.resize(mesh.triangle_count());
+  front_->around.resize(mesh.vertex_count());
+}
+
+FrontClimb::~FrontClimb() = default;
+
+void FrontClimb::start(std::span<const VertexIndex> columns, std::span<const double> shares) {
+  front_->shares = shares;
+  parallel_chunks(columns.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (const VertexIndex v : columns.subspan(begin, end - begin)) start_column(mesh_, v, *front_);
+  });
+  parallel_chunks(columns.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    FrontSteps none;
+    Climber climber(*front_, none);
+    for (const VertexIndex v : columns.subspan(begin, end - begin)) {
+      front_->turns[v] = {};
+      climber.set_due(v);
+    }
+  });
+}
+
+FrontPhases FrontClimb::to_top(std::span<const double> shares) {
+  std::vector<VertexIndex> all(mesh_.vertex_count());
+  std::iota(all.begin(), all.end(), VertexIndex(0));
+  parallel_chunks(mesh_.triangle_count(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (const TriangleIndex t : indices<TriangleIndex>(begin, end))
+      start_triangle(mesh_, t, *front_);
+  });
+  start(all, shares);
+  FrontPhases phases;
   const auto climb = [&](std::size_t count, const auto& tile_at) {
     std::vector<std::vector<VertexIndex>> columns(count);
-    for (const VertexIndex v : mesh.ground.vertices.indices()) {
-      const std::size_t tile = tile_at(front.columns[v].at);
-      front.turns[v].tile = static_cast<std::int32_t>(tile);
-      if (front.turns[v].due < kInfinity) columns[tile].push_back(v);
+    for (const VertexIndex v : all) {
+      Turn& turn = front_->turns[v];
+      const std::size_t tile = tile_at(front_->columns[v].at);
+      turn.tile = static_cast<std::int32_t>(tile);
+      if (turn.due < kInfinity) columns[tile].push_back(v);
     }
     std::vector<FrontSteps>& steps = phases.emplace_back(count);
-    const auto phase = static_cast<std::int32_t>(phases.size());
+    ++phase_;
     parallel_in_order(count, [&](std::size_t i) {
-      Climber climber(front, steps[i]);
-      for (const VertexIndex v : columns[i]) climber.climb(v, phase);
+      Climber climber(*front_, steps[i]);
+      for (const VertexIndex v : columns[i]) climber.climb(v, phase_);
       steps[i].steps.shrink_to_fit();
+      steps[i].orders.shrink_to_fit();
       steps[i].others.shrink_to_fit();
     });
   };
-  if (tiles > 1) {
-    const Tiles grid(mesh.ground, tiles);
+  if (tiles_ > 1) {
+    const Tiles grid(mesh_.ground, tiles_);
     for (const auto& [x, y] : {std::pair(0.0, 0.0), {0.5, 0.5}, {0.5, 0.0}, {0.0, 0.5}}) {
       const double shift_x = x, shift_y = y;
       climb(grid.size(), [&](const Point3& p) { return grid.at(p, shift_x, shift_y); });
     }
   }
   climb(1, [](const Point3&) { return std::size_t{0}; });
+  for (std::vector<Neighbour>& around : front_->around) around.clear();
   return phases;
+}
+
+std::optional<FrontSteps> FrontClimb::within(std::span<const VertexIndex> columns,
+                                             std::span<const VertexIndex> others,
+                                             const FrontRecord& record,
+                                             std::span<const double> shares) {
+  for (const VertexIndex v : others) {
+    start_column(mesh_, v, *front_);
+    front_->around[v].clear();
+  }
+  for (const TriangleIndex t : triangles_around(mesh_.edges, columns))
+    start_triangle(mesh_, t, *front_);
+  start(columns, shares);
+  FrontSteps steps;
+  const bool is_sound = Climber(*front_, steps, true).climb(columns, others, record);
+  front_->triangles.resize(mesh_.triangle_count());
+  for (const VertexIndex v : columns) front_->around[v].clear();
+  if (!is_sound) return std::nullopt;
+  return steps;
 }
 
 }  // namespace tetropolis

@@ -11,6 +11,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -43,20 +45,83 @@ struct CoveredTriangle {
 /// Those of a tile, as they are taken.
 struct FrontSteps {
   std::vector<FrontStep> steps;
+  /// Per step, what columns that are next to each other go by, and then by vertex.
+  std::vector<double> orders;
   /// Step by step. Of one that rises: the around + 1 columns around it, counter-clockwise, of which
   /// the last is the first again unless it is at the rim. Of one that ends, three for each cell.
   std::vector<VertexIndex> others;
+  /// Per entry of `others`, how often that column has risen by then. Negative, or empty: as often
+  /// as steps before this one tell.
+  std::vector<std::int32_t> risen;
   std::vector<CoveredTriangle> covered;
   /// Vertices at which cells came below the floor, and those beside them.
   std::vector<VertexIndex> poor;
 };
 
-/// `shares`: per vertex, of the spacing that segments are to have. See grow_upper(). `tiles`: along
-/// the longer side of the ground, >= 1; each column's steps are the same for any number. Returns
-/// the steps by phase and tile; tiles of a phase have no column in common, in steps or others.
-std::vector<std::vector<FrontSteps>> climb_to_top(const ColumnMesh& mesh, double top,
-                                                  std::span<const double> shares,
-                                                  std::size_t tiles);
+/// By phase and tile; tiles of a phase have no column in common, in steps or others.
+using FrontPhases = std::vector<std::vector<FrontSteps>>;
+
+/// Steps of some columns, by column.
+class FrontRecord {
+ public:
+  struct Step {
+    const FrontStep* step;
+    const VertexIndex* first_other;
+    double order;
+    std::span<const VertexIndex> others() const {
+      return {first_other, static_cast<std::size_t>(step->others())};
+    }
+  };
+  /// `is_kept`: per vertex, 1 for those columns. The phases are to outlive this.
+  FrontRecord(const FrontPhases& phases, std::span<const std::uint8_t> is_kept);
+  /// In their order.
+  std::span<const Step> steps_of(VertexIndex v) const {
+    return std::span(steps_).subspan(first_[v], first_[v + 1] - first_[v]);
+  }
+
+ private:
+  std::vector<std::uint32_t> first_;  // per vertex and one more
+  std::vector<Step> steps_;
+};
+
+/// Calls visit(step, its others) in the order of the phases.
+template <typename Visit>
+void for_each_step(const FrontSteps& steps, const Visit& visit) {
+  const VertexIndex* others = steps.others.data();
+  for (const FrontStep& step : steps.steps) {
+    visit(step, std::span(others, static_cast<std::size_t>(step.others())));
+    others += step.others();
+  }
+}
+
+struct Front;
+
+/// `shares`: per vertex, of the spacing that segments are to have. See grow_upper().
+class FrontClimb {
+ public:
+  /// `tiles`: along the longer side of the ground, >= 1; each column's steps are the same for any
+  /// number. The mesh is to outlive this.
+  FrontClimb(const ColumnMesh& mesh, double top, std::size_t tiles);
+  FrontClimb(const FrontClimb&) = delete;
+  FrontClimb& operator=(const FrontClimb&) = delete;
+  ~FrontClimb();
+  /// All columns, from the lid to the top.
+  FrontPhases to_top(std::span<const double> shares);
+  /// Some columns, among others that do again what is on record: all that any of them has ever been
+  /// next to, ascending. The steps of the former, with `risen`; nothing if the others cannot do the
+  /// same next to these.
+  std::optional<FrontSteps> within(std::span<const VertexIndex> columns,
+                                   std::span<const VertexIndex> others, const FrontRecord& record,
+                                   std::span<const double> shares);
+
+ private:
+  void start(std::span<const VertexIndex> columns, std::span<const double> shares);
+
+  const ColumnMesh& mesh_;
+  std::size_t tiles_;
+  std::unique_ptr<Front> front_;
+  std::int32_t phase_ = 0;
+};
 
 /// How many are worth while.
 std::size_t useful_tiles(const ColumnMesh& mesh);

@@ -9,21 +9,12 @@
 #include "tetropolis/core/error.h"
 
 #include "core/parallel.h"
-#include "core/sort_once.h"
 #include "front.h"
+#include "mend_front.h"
 
 namespace tetropolis {
 
 namespace {
-
-// Found by trial, as in front.cpp.
-
-/// Where the best is below the floor, it is all done again with segments shorter by this factor at
-/// that column and beside it, so often at most.
-constexpr double kShorter = 0.85;
-constexpr int kMostRounds = 6;
-
-using FrontPhases = std::vector<std::vector<FrontSteps>>;
 
 /// Nodes, fans and cells are numbered column by column and upwards, as those below: what is near
 /// has numbers that are.
@@ -74,13 +65,21 @@ UpperMesh mesh_of(FrontPhases phases, const ColumnMesh& mesh) {
   };
   const auto take = [&](const FrontSteps& part) {
     const VertexIndex* other = part.others.data();
+    const std::int32_t* risen = part.risen.empty() ? nullptr : part.risen.data();
+    const auto next_place = [&] {
+      const VertexIndex u = *other++;
+      const std::int32_t by_then = risen == nullptr ? -1 : *risen++;
+      if (by_then < 0) return place(u);
+      if (by_then == 0) return UpperPlace(u.value());
+      return UpperPlace(columns + first[u].nodes + static_cast<std::size_t>(by_then) - 1);
+    };
     for (const FrontStep& step : part.steps) {
       const VertexIndex v = step.vertex;
       Counts& own = next[v];
       UpperFan& fan = upper.fans[own.fans++];
       fan = {place(v), UpperPlace::none(), own.cells, own.others};
       own.cells += static_cast<std::uint32_t>(step.cells());
-      for (std::int32_t k = 0; k < step.others(); ++k) upper.others[own.others++] = place(*other++);
+      for (std::int32_t k = 0; k < step.others(); ++k) upper.others[own.others++] = next_place();
       if (step.is_end()) continue;
       upper.z[own.nodes] = step.to;
       upper.vertex[own.nodes++] = v;
@@ -104,27 +103,14 @@ UpperMesh mesh_of(FrontPhases phases, const ColumnMesh& mesh) {
 
 UpperMesh grow_upper(const ColumnMesh& mesh, double top, std::size_t tiles) {
   if (tiles == 0) tiles = useful_tiles(mesh);
-  std::vector<double> shares(mesh.vertex_count(), 1.0), best_shares;
-  FrontPhases steps;
-  std::size_t fewest = std::numeric_limits<std::size_t>::max();
-  bool is_best = false;  // Steps of one round are kept at a time.
-  for (int round = 0; round < kMostRounds && fewest > 0; ++round) {
-    steps.clear();
-    steps = climb_to_top(mesh, top, shares, tiles);
-    std::vector<VertexIndex> poor;
-    for (const std::vector<FrontSteps>& parts : steps)
-      for (const FrontSteps& part : parts)
-        poor.insert(poor.end(), part.poor.begin(), part.poor.end());
-    is_best = poor.size() < fewest;
-    if (is_best) {
-      fewest = poor.size();
-      best_shares = shares;
-    }
-    sort_once(poor);
-    for (const VertexIndex v : poor) shares[v] *= kShorter;
+  FrontPhases phases;
+  {
+    FrontClimb climb(mesh, top, tiles);
+    const std::vector<double> shares(mesh.vertex_count(), 1.0);
+    phases = climb.to_top(shares);
+    mend_front(mesh, top, climb, phases);
   }
-  if (!is_best) steps = climb_to_top(mesh, top, best_shares, tiles);
-  return mesh_of(std::move(steps), mesh);
+  return mesh_of(std::move(phases), mesh);
 }
 
 }  // namespace tetropolis

@@ -1,0 +1,336 @@
+#include "mend_front.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/sort_once.h"
+
+namespace tetropolis {
+
+namespace {
+
+// Found by trial, as in front.cpp.
+
+/// Segments at poor columns and beside them become shorter by this factor, so often at most.
+constexpr double kShorter = 0.85;
+constexpr int kMostRounds = 5;
+
+/// Columns around poor ones climb again, as far away as these are below the top times this; the
+/// second time if the first does not do.
+constexpr std::array kReach{1.5, 3.0};
+
+/// Where these are more than this share of all, all climb: by tiles, on several threads.
+constexpr double kMost = 0.5;
+
+/// What climbs again.
+struct Part {
+  std::vector<VertexIndex> columns;
+  std::vector<VertexIndex> others;  ///< All that these have been next to, and no more than that.
+};
+
+template <typename Visit>
+void for_each_beside(const ColumnMesh& mesh, VertexIndex v, const Visit& visit) {
+  for (const EdgeIndex e : mesh.edges.starting_at(v)) visit(mesh.edges.vertices[e][1]);
+  for (const EdgeIndex e : mesh.edges.ends[v]) visit(mesh.edges.vertices[e][0]);
+}
+
+template <typename Visit>
+void for_each_tile(const FrontPhases& phases, const Visit& visit) {
+  for (const std::vector<FrontSteps>& tiles : phases)
+    for (const FrontSteps& tile : tiles) visit(tile);
+}
+
+constexpr std::int32_t kNoPart = -1;
+
+/// The columns within `reach` of some, by what hangs together on the ground. Sets `part_of`, per
+/// vertex.
+std::vector<Part> parts_around(const ColumnMesh& mesh, std::span<const VertexIndex> middles,
+                               double reach, std::vector<std::int32_t>& part_of) {
+  std::vector<std::uint8_t> is_near(mesh.vertex_count(), 0);
+  std::vector<std::pair<VertexIndex, VertexIndex>> queue;  // and the middle
+  const auto visit = [&](VertexIndex v, VertexIndex middle) {
+    const Point2 p = mesh.ground.vertices[middle], q = mesh.ground.vertices[v];
+    if (is_near[v] != 0 || std::hypot(q.x - p.x, q.y - p.y) > reach) return;
+    is_near[v] = 1;
+    queue.emplace_back(v, middle);
+  };
+  for (const VertexIndex v : middles) visit(v, v);
+  for (std::size_t i = 0; i < queue.size(); ++i) {
+    const auto [v, middle] = queue[i];
+    for_each_beside(mesh, v, [&, middle = middle](VertexIndex u) { visit(u, middle); });
+  }
+  std::vector<Part> parts;
+  part_of.assign(mesh.vertex_count(), kNoPart);
+  for (const VertexIndex first : middles) {
+    if (part_of[first] != kNoPart) continue;
+    std::vector<VertexIndex> columns;
+    const auto add = [&](VertexIndex v) {
+      if (is_near[v] == 0 || part_of[v] != kNoPart) return;
+      part_of[v] = static_cast<std::int32_t>(parts.size());
+      columns.push_back(v);
+    };
+    add(first);
+    for (std::size_t i = 0; i < columns.size(); ++i) for_each_beside(mesh, columns[i], add);
+    std::sort(columns.begin(), columns.end());
+    parts.push_back({std::move(columns), {}});
+  }
+  return parts;
+}
+
+/// Finds Part::others.
+void find_others(const FrontPhases& phases, const std::vector<std::int32_t>& part_of,
+                 std::vector<Part>& parts) {
+  for_each_tile(phases, [&](const FrontSteps& tile) {
+    for_each_step(tile, [&](const FrontStep& step, std::span<const VertexIndex> others) {
+      const std::int32_t own = part_of[step.vertex];
+      for (const VertexIndex u : others) {
+        const std::int32_t other = part_of[u];
+        if (own == other) continue;
+        if (own != kNoPart) parts[static_cast<std::size_t>(own)].others.push_back(u);
+        if (other != kNoPart) parts[static_cast<std::size_t>(other)].others.push_back(step.vertex);
+      }
+    });
+  });
+  for (Part& part : parts) sort_once(part.others);
+}
+
+std::vector<VertexIndex> poor_of(const FrontPhases& phases) {
+  std::vector<VertexIndex> poor;
+  for_each_tile(phases, [&](const FrontSteps& tile) {
+    poor.insert(poor.end(), tile.poor.begin(), tile.poor.end());
+  });
+  return poor;
+}
+
+/// The best steps; none if no round is better than what is on record, where `poor` are poor. Nothing
+/// if they would matter to columns elsewhere.
+std::optional<FrontSteps> best_of_rounds(FrontClimb& climb, const Part& part, const FrontRecord& record,
+                          std::vector<VertexIndex> poor, std::vector<double>& shares) {
+  FrontSteps best;
+  std::size_t fewest = poor.size();
+  for (int round = 0; round < kMostRounds && fewest > 0; ++round) {
+    sort_once(poor);
+    for (const VertexIndex v : poor) shares[v] *= kShorter;
+    std::optional<FrontSteps> steps = climb.within(part.columns, part.others, record, shares);
+    if (!steps) return std::nullopt;
+    poor = steps->poor;
+    if (poor.size() >= fewest) continue;
+    fewest = poor.size();
+    best = std::move(*steps);
+  }
+  return best;
+}
+
+/// Columns that have climbed again.
+class Again {
+ public:
+  /// `steps`: per part.
+  Again(const FrontRecord& before, const std::vector<std::int32_t>& part_of,
+        const std::vector<Part>& parts, const std::vector<FrontSteps>& steps);
+  /// Whether columns elsewhere would have done the same as before.
+  bool is_complete(const FrontPhases& phases) const;
+  /// Precondition: is_complete(phases).
+  void replace_in(FrontPhases& phases) const;
+
+ private:
+  struct Step {
+    const FrontStep* step = nullptr;
+    std::size_t first_other = 0;  // in those of its part
+  };
+  std::span<const Step> steps_of(VertexIndex v) const {
+    return std::span(steps_).subspan(first_[v], first_[v + 1] - first_[v]);
+  }
+  const FrontSteps& steps_around(VertexIndex v) const {
+    return (*new_)[static_cast<std::size_t>((*part_of_)[v])];
+  }
+  std::span<const VertexIndex> others_of(VertexIndex v, const Step& step) const {
+    return std::span(steps_around(v).others)
+        .subspan(step.first_other, static_cast<std::size_t>(step.step->others()));
+  }
+  bool is_same(VertexIndex v, std::span<const FrontRecord::Step> before) const;
+
+  const std::vector<std::int32_t>* part_of_;
+  const std::vector<FrontSteps>* new_;
+  std::vector<std::uint32_t> first_;  // per vertex and one more
+  std::vector<Step> steps_;
+  std::vector<std::uint8_t> differs_;  // per vertex
+  bool is_within_ = true;              // All that are next to those that differ are of their part.
+};
+
+Again::Again(const FrontRecord& before, const std::vector<std::int32_t>& part_of,
+             const std::vector<Part>& parts, const std::vector<FrontSteps>& steps)
+    : part_of_(&part_of), new_(&steps), first_(part_of.size() + 1, 0), differs_(part_of.size(), 0) {
+  for (const FrontSteps& part : steps)
+    for (const FrontStep& step : part.steps) ++first_[step.vertex + 1];
+  std::inclusive_scan(first_.begin(), first_.end(), first_.begin());
+  steps_.resize(first_.back());
+  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+  for (const FrontSteps& part : steps) {
+    std::size_t other = 0;
+    for (const FrontStep& step : part.steps) {
+      steps_[next[step.vertex]++] = {&step, other};
+      other += static_cast<std::size_t>(step.others());
+    }
+  }
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (steps[i].steps.empty()) continue;  // It stays as it is.
+    for (const VertexIndex v : parts[i].columns)
+      differs_[v] = is_same(v, before.steps_of(v)) ? 0 : 1;
+  }
+  for (const Part& part : parts)
+    for (const VertexIndex v : part.columns) {
+      const auto check = [&](std::span<const VertexIndex> others) {
+        for (const VertexIndex u : others)
+          if (differs_[v] != 0 || differs_[u] != 0)
+            is_within_ = is_within_ && part_of[u] == part_of[v];
+      };
+      for (const Step& step : steps_of(v)) check(others_of(v, step));
+      for (const FrontRecord::Step& step : before.steps_of(v)) check(step.others());
+    }
+}
+
+bool Again::is_same(VertexIndex v, std::span<const FrontRecord::Step> before) const {
+  const std::span<const Step> own = steps_of(v);
+  if (own.size() != before.size()) return false;
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    const FrontStep &a = *own[i].step, &b = *before[i].step;
+    if (a.is_end() != b.is_end() || (!a.is_end() && a.to != b.to)) return false;
+    const std::span<const VertexIndex> others = others_of(v, own[i]), others_before = before[i].others();
+    if (!std::equal(others.begin(), others.end(), others_before.begin(), others_before.end()))
+      return false;
+  }
+  return true;
+}
+
+bool Again::is_complete(const FrontPhases& phases) const {
+  bool is_complete = is_within_;
+  for_each_tile(phases, [&](const FrontSteps& tile) {
+    for_each_step(tile, [&](const FrontStep& step, std::span<const VertexIndex> others) {
+      if ((*part_of_)[step.vertex] != kNoPart) return;
+      for (const VertexIndex u : others) is_complete = is_complete && differs_[u] == 0;
+    });
+  });
+  return is_complete;
+}
+
+void Again::replace_in(FrontPhases& phases) const {
+  const auto has_climbed = [&](VertexIndex v) {
+    return (*part_of_)[v] != kNoPart && !steps_around(v).steps.empty();
+  };
+  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+  for (std::vector<FrontSteps>& tiles : phases)
+    for (FrontSteps& tile : tiles) {
+      const bool is_touched = std::any_of(tile.steps.begin(), tile.steps.end(),
+                                          [&](const FrontStep& s) { return has_climbed(s.vertex); });
+      if (!is_touched) continue;
+      FrontSteps kept;
+      for_each_step(tile, [&](const FrontStep& step, std::span<const VertexIndex> others) {
+        const VertexIndex v = step.vertex;
+        if (differs_[v] != 0) return;
+        const std::size_t begin = kept.others.size();
+        kept.steps.push_back(step);
+        kept.others.insert(kept.others.end(), others.begin(), others.end());
+        kept.risen.resize(kept.others.size(), -1);
+        if (!has_climbed(v)) return;
+        // Columns that differ come after all others.
+        const Step& own = steps_[next[v]++];
+        for (std::size_t k = 0; k < others.size(); ++k)
+          if (differs_[others[k]] != 0)
+            kept.risen[begin + k] = steps_around(v).risen[own.first_other + k];
+      });
+      for (const CoveredTriangle& covered : tile.covered)
+        if (!has_climbed(covered.vertex)) kept.covered.push_back(covered);
+      tile = std::move(kept);
+    }
+  std::vector<FrontSteps>& last = phases.emplace_back();
+  for (const FrontSteps& part : *new_) {
+    FrontSteps& own = last.emplace_back();
+    own.covered = part.covered;
+    const std::int32_t* risen = part.risen.data();
+    for_each_step(part, [&](const FrontStep& step, std::span<const VertexIndex> others) {
+      if (differs_[step.vertex] != 0) {
+        own.steps.push_back(step);
+        own.others.insert(own.others.end(), others.begin(), others.end());
+        own.risen.insert(own.risen.end(), risen, risen + others.size());
+      }
+      risen += others.size();
+    });
+  }
+}
+
+/// Has columns within `reach` of the middles climb again. Returns false, with all as it was, if that
+/// would matter to others, or these are most.
+bool mend_within(const ColumnMesh& mesh, double reach, std::span<const VertexIndex> middles,
+                 std::span<const VertexIndex> poor, FrontClimb& climb, FrontPhases& phases) {
+  std::vector<std::int32_t> part_of;
+  std::vector<Part> parts = parts_around(mesh, middles, reach, part_of);
+  find_others(phases, part_of, parts);
+  std::vector<std::uint8_t> is_kept(mesh.vertex_count(), 0);
+  std::size_t columns = 0;
+  for (const Part& part : parts) {
+    columns += part.columns.size() + part.others.size();
+    for (const VertexIndex v : part.columns) is_kept[v] = 1;
+    for (const VertexIndex v : part.others) is_kept[v] = 1;
+  }
+  if (static_cast<double>(columns) > kMost * static_cast<double>(mesh.vertex_count())) return false;
+  const FrontRecord record(phases, is_kept);
+  std::vector<double> shares(mesh.vertex_count(), 1.0);
+  std::vector<FrontSteps> steps;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    std::vector<VertexIndex> own;
+    for (const VertexIndex v : poor)
+      if (part_of[v] == static_cast<std::int32_t>(i)) own.push_back(v);
+    std::optional<FrontSteps> best = best_of_rounds(climb, parts[i], record, own, shares);
+    if (!best) return false;
+    steps.push_back(std::move(*best));
+  }
+  const Again again(record, part_of, parts, steps);
+  if (!again.is_complete(phases)) return false;
+  again.replace_in(phases);
+  return true;
+}
+
+/// The same for all columns at once.
+void mend_all(const ColumnMesh& mesh, FrontClimb& climb, FrontPhases& phases) {
+  std::vector<double> shares(mesh.vertex_count(), 1.0), best = shares;
+  std::vector<VertexIndex> poor = poor_of(phases);
+  std::size_t fewest = poor.size();
+  bool is_best = true;  // Steps of one round are kept at a time.
+  for (int round = 0; round < kMostRounds && fewest > 0; ++round) {
+    sort_once(poor);
+    for (const VertexIndex v : poor) shares[v] *= kShorter;
+    phases.clear();
+    phases = climb.to_top(shares);
+    poor = poor_of(phases);
+    is_best = poor.size() < fewest;
+    if (!is_best) continue;
+    fewest = poor.size();
+    best = shares;
+  }
+  if (!is_best) phases = climb.to_top(best);
+}
+
+}  // namespace
+
+void mend_front(const ColumnMesh& mesh, double top, FrontClimb& climb, FrontPhases& phases) {
+  const std::vector<VertexIndex> poor = poor_of(phases);
+  if (poor.empty()) return;
+  std::vector<VertexIndex> middles = poor;
+  sort_once(middles);
+  double height = 0;
+  for (const VertexIndex v : middles) height = std::max(height, top - mesh.z[mesh.top(v)]);
+  for (const double reach : kReach)
+    if (mend_within(mesh, reach * height, middles, poor, climb, phases)) return;
+  mend_all(mesh, climb, phases);
+}
+
+}  // namespace tetropolis
