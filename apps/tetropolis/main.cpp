@@ -18,6 +18,9 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #include <poll.h>
 #include <unistd.h>
 
@@ -394,6 +397,11 @@ void require_address_space() {
 }  // namespace
 
 int main(int argc, char** argv) {
+#ifdef __GLIBC__
+  // Left alone, the allocator learns from large arrays that are freed to keep their memory.
+  mallopt(M_MMAP_THRESHOLD, 1 << 20);
+  mallopt(M_TRIM_THRESHOLD, 8 << 20);
+#endif
   catch_interrupts();
   CommandLine line;
   declare(line);

@@ -200,6 +200,7 @@ void start_column(const ColumnMesh& mesh, VertexIndex v, Front& front) {
   sort_once(triangles);
   std::vector<Neighbour>& around = front.around[v];
   around.clear();
+  around.reserve(triangles.size() + 1);
   for (const TriangleIndex t : triangles) {
     const auto& c = mesh.ground.triangles[t];
     around.push_back({c[0] == v ? c[1] : c[1] == v ? c[2] : c[0], t.value()});

@@ -20,6 +20,8 @@ namespace {
 /// has numbers that are.
 UpperMesh mesh_of(FrontPhases phases, const ColumnMesh& mesh) {
   const std::size_t columns = mesh.vertex_count();
+  for (std::vector<FrontSteps>& parts : phases)
+    for (FrontSteps& part : parts) part.orders = {};
   // Per column, and one more: where its own begin.
   struct Counts {
     std::uint32_t nodes = 0, fans = 0, cells = 0, others = 0;

@@ -111,10 +111,11 @@ std::vector<VertexIndex> poor_of(const FrontPhases& phases) {
   return poor;
 }
 
-/// The best steps; none if no round is better than what is on record, where `poor` are poor. Nothing
-/// if they would matter to columns elsewhere.
-std::optional<FrontSteps> best_of_rounds(FrontClimb& climb, const Part& part, const FrontRecord& record,
-                          std::vector<VertexIndex> poor, std::vector<double>& shares) {
+/// The best steps; none if no round is better than what is on record, where `poor` are poor.
+/// Nothing if they would matter to columns elsewhere.
+std::optional<FrontSteps> best_of_rounds(FrontClimb& climb, const Part& part,
+                                         const FrontRecord& record, std::vector<VertexIndex> poor,
+                                         std::vector<double>& shares) {
   FrontSteps best;
   std::size_t fewest = poor.size();
   for (int round = 0; round < kMostRounds && fewest > 0; ++round) {
@@ -204,7 +205,8 @@ bool Again::is_same(VertexIndex v, std::span<const FrontRecord::Step> before) co
   for (std::size_t i = 0; i < own.size(); ++i) {
     const FrontStep &a = *own[i].step, &b = *before[i].step;
     if (a.is_end() != b.is_end() || (!a.is_end() && a.to != b.to)) return false;
-    const std::span<const VertexIndex> others = others_of(v, own[i]), others_before = before[i].others();
+    const std::span<const VertexIndex> others = others_of(v, own[i]),
+                                       others_before = before[i].others();
     if (!std::equal(others.begin(), others.end(), others_before.begin(), others_before.end()))
       return false;
   }
@@ -229,8 +231,9 @@ void Again::replace_in(FrontPhases& phases) const {
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
   for (std::vector<FrontSteps>& tiles : phases)
     for (FrontSteps& tile : tiles) {
-      const bool is_touched = std::any_of(tile.steps.begin(), tile.steps.end(),
-                                          [&](const FrontStep& s) { return has_climbed(s.vertex); });
+      const bool is_touched =
+          std::any_of(tile.steps.begin(), tile.steps.end(),
+                      [&](const FrontStep& s) { return has_climbed(s.vertex); });
       if (!is_touched) continue;
       FrontSteps kept;
       for_each_step(tile, [&](const FrontStep& step, std::span<const VertexIndex> others) {
@@ -267,8 +270,8 @@ void Again::replace_in(FrontPhases& phases) const {
   }
 }
 
-/// Has columns within `reach` of the middles climb again. Returns false, with all as it was, if that
-/// would matter to others, or these are most.
+/// Has columns within `reach` of the middles climb again. Returns false, with all as it was, if
+/// that would matter to others, or these are most.
 bool mend_within(const ColumnMesh& mesh, double reach, std::span<const VertexIndex> middles,
                  std::span<const VertexIndex> poor, FrontClimb& climb, FrontPhases& phases) {
   std::vector<std::int32_t> part_of;
