@@ -14,11 +14,9 @@
 
 namespace tetropolis {
 
-namespace {
-
 /// Nodes, fans and cells are numbered column by column and upwards, as those below: what is near
 /// has numbers that are.
-UpperMesh mesh_of(FrontPhases phases, const ColumnMesh& mesh) {
+UpperMesh upper_of(FrontPhases phases, const ColumnMesh& mesh) {
   const std::size_t columns = mesh.vertex_count();
   for (std::vector<FrontSteps>& parts : phases)
     for (FrontSteps& part : parts) part.orders = {};
@@ -101,8 +99,6 @@ UpperMesh mesh_of(FrontPhases phases, const ColumnMesh& mesh) {
   return upper;
 }
 
-}  // namespace
-
 UpperMesh grow_upper(const ColumnMesh& mesh, double top, std::size_t tiles) {
   if (tiles == 0) tiles = useful_tiles(mesh);
   FrontPhases phases;
@@ -112,7 +108,7 @@ UpperMesh grow_upper(const ColumnMesh& mesh, double top, std::size_t tiles) {
     phases = climb.to_top(shares);
     mend_front(mesh, top, climb, phases);
   }
-  return mesh_of(std::move(phases), mesh);
+  return upper_of(std::move(phases), mesh);
 }
 
 }  // namespace tetropolis

@@ -5,6 +5,8 @@
 
 #include "tetropolis/volume/column/column_mesh.h"
 
+#include "front.h"
+
 namespace tetropolis {
 
 /// Cells from the tops of columns to the elevation `top`. A front climbs: the column whose next
@@ -21,5 +23,8 @@ namespace tetropolis {
 /// any number of threads and of tiles that these are given (front.h; 0: as are useful).
 /// Precondition: `mesh` is valid and has no upper part; its columns end below `top` or at it.
 UpperMesh grow_upper(const ColumnMesh& mesh, double top, std::size_t tiles = 0);
+
+/// What columns have done, as a mesh over that of these.
+UpperMesh upper_of(FrontPhases phases, const ColumnMesh& mesh);
 
 }  // namespace tetropolis
