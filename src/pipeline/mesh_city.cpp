@@ -70,8 +70,8 @@ CitySize size_of(const MeshCityOptions& options, const CityModel& city, const Ra
 constexpr double kSteepForPrisms = 36;
 
 /// Where layers are far thinner than those below or beside them the centres of prisms lie far off,
-/// and faces are skewed: prisms' least share of the ladder's spacing, and least wall, metres.
-constexpr double kGapOfPrisms = 0.5, kWallOfPrisms = 2;
+/// and faces are skewed: least wall, metres.
+constexpr double kWallOfPrisms = 2;
 
 /// The slope, in degrees, that 95 % of the terrain's squares in the domain do not exceed.
 double steep_slope(const Raster& dtm, const Domain& domain) {
@@ -109,7 +109,6 @@ MeshCityOptions for_prisms(MeshCityOptions options, const CityModel& city, const
   const double slope = steep_slope(terrain, city.domain);
   if (slope <= kSteepForPrisms) {
     options.layering = Layering::kUniform;
-    options.min_gap_share = std::max(options.min_gap_share, kGapOfPrisms);
     options.min_wall_height = std::max(options.min_wall_height, kWallOfPrisms);
     return options;
   }
@@ -414,10 +413,8 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
   add_upper(options, columns, clock);
   if (options.boundary_layers.count > 0)
     clock.run("3.5", "boundary layers", [&](const Progress&) {
-      // Below tets, layers may be lower and lower; prisms go on above them.
       const bool alone = options.cells == Cells::kPrisms;
-      const double least_growth = alone ? 1 : 1 / options.boundary_layers.growth;
-      lay_prisms(columns.plan.lift, options.boundary_layers, least_growth, columns.mesh);
+      lay_prisms(columns.plan.lift, options.boundary_layers, columns.mesh);
       if (alone) make_whole(columns.mesh);
       PrismQuality& prisms = result.volume_facts.prisms;
       prisms = measure_prisms(columns.mesh, options.boundary_layers.first);

@@ -595,8 +595,7 @@ std::vector<ConfigField> make_fields() {
        .group = "Mesh",
        .member = &C::min_gap_share,
        .commands = kMeshing,
-       .help = "Uniform: minimum vertical edge of a cell, as a share of the even spacing (prisms: "
-               "0.5 at least)",
+       .help = "Uniform: minimum vertical edge of a cell, as a share of the even spacing",
        .min = 0.001,
        .max = 0.9},
       {.name = "solver_tolerance",

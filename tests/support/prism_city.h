@@ -32,7 +32,7 @@ inline MeshedCity prism_city(const SmallCity& city, double mesh_size, const Laye
   result.mesh = divide_columns(std::move(ground), std::move(edges), result.plan);
   place_nodes(result.mesh, result.plan);
   result.mesh.upper = grow_upper(result.mesh, result.plan.layers.top);
-  lay_prisms(lift, heights, 1 / heights.growth, result.mesh);
+  lay_prisms(lift, heights, result.mesh);
   require_valid(result.mesh);
   return result;
 }
@@ -61,7 +61,7 @@ inline MeshedCity city_of_prisms(const SmallCity& city, double mesh_size,
   trim(layered, result.plan.lowest_roof, city.roofs);
   smooth_to_roofs(layered, result.plan.lowest_roof, city.roofs, {});
   result.mesh = columns_of_layers(std::move(layered));
-  if (heights.count > 0) lay_prisms(lift, heights, 1 / heights.growth, result.mesh);
+  if (heights.count > 0) lay_prisms(lift, heights, result.mesh);
   make_whole(result.mesh);
   require_valid(result.mesh);
   return result;

@@ -76,6 +76,10 @@ RaggedArray<WallEdge> wall_edges(const LayeredMesh& mesh, std::span<const Region
   });
 }
 
+/// Of slopes from a roof to layers that improve_prisms() can move; one to another roof counts in
+/// full.
+constexpr double kShareOfFree = 0.75;
+
 /// Moves roofs to other layers, between the lowest and the highest that their walls reach, where
 /// those rise or fall less steeply to the columns beside them, which may be walls of others.
 void fit_to_neighbours(const LayeredMesh& mesh, std::span<const RegionIndex> roof,
@@ -97,8 +101,12 @@ void fit_to_neighbours(const LayeredMesh& mesh, std::span<const RegionIndex> roo
       if (roof_layer[b] == kNoRoof) continue;
       const auto steepest = [&](std::int32_t k) {
         double slope = 0;
-        for (const WallEdge& edge : edges[b])
-          slope = std::max(slope, std::abs(layer_at(edge.beyond, k) - roofs[b]) / edge.length);
+        for (const WallEdge& edge : edges[b]) {
+          const RegionIndex other = roof[edge.beyond];
+          const double share = other != kNoRegion && roof_layer[other] == k ? 1 : kShareOfFree;
+          slope =
+              std::max(slope, share * std::abs(layer_at(edge.beyond, k) - roofs[b]) / edge.length);
+        }
         return slope;
       };
       const std::int32_t before = roof_layer[b];

@@ -24,14 +24,15 @@ double sum_of(const LayerHeights& heights, double ratio) {
   return LayerHeights{heights.count, heights.first, ratio}.total();
 }
 
-/// Tops of the layers above the ground, without the uppermost one, which is at `all`.
-void divide_layers(double all, const LayerHeights& heights, double least_growth,
-                   std::vector<double>& tops) {
-  double low = least_growth, high = heights.growth;
+/// Tops of the layers above the ground, without the uppermost one, which is at `all`. Where even
+/// layers that shrink upwards leave too little for the first, all are alike: the uppermost is as
+/// high as can be, and faces above it lean the less.
+void divide_layers(double all, const LayerHeights& heights, std::vector<double>& tops) {
+  double low = 1 / heights.growth, high = heights.growth;
   double first = heights.first;
-  if (const double least = sum_of(heights, low); all < least) {
-    first *= all / least;
-    high = low;
+  if (all < sum_of(heights, low)) {
+    first = all / heights.count;
+    high = 1;
   } else if (all < sum_of(heights, high)) {
     for (int i = 0; i < 60; ++i) {
       const double middle = (low + high) / 2;
@@ -73,8 +74,7 @@ std::vector<double> layer_lift(const GroundMesh& mesh, const EdgeGraph& edges,
   return lift;
 }
 
-void lay_prisms(std::span<const double> lift, const LayerHeights& heights, double least_growth,
-                ColumnMesh& mesh) {
+void lay_prisms(std::span<const double> lift, const LayerHeights& heights, ColumnMesh& mesh) {
   PrismLayers layers;
   layers.count = heights.count;
   layers.position.assign(mesh.vertex_count(), -1);
@@ -94,7 +94,7 @@ void lay_prisms(std::span<const double> lift, const LayerHeights& heights, doubl
     for (std::size_t i = begin; i < end; ++i) {
       const VertexIndex v = layers.vertices[i];
       const double ground = mesh.z[mesh.first[v]] - lift[v];
-      divide_layers(lift[v], heights, least_growth, tops);
+      divide_layers(lift[v], heights, tops);
       double* z = layers.z.data() + i * count;
       *z++ = ground;
       for (const double top : tops) *z++ = ground + top;

@@ -25,10 +25,10 @@ std::vector<double> layer_lift(const GroundMesh& mesh, const EdgeGraph& edges,
 
 /// Puts the layers, which are lift[v] high, below the columns of open ground: their lowest nodes
 /// are on top of them. The lowest layer is as high as asked for as long as the ratio of one to the
-/// next is between `least_growth` and heights.growth. Precondition: `lift` as from layer_lift with
-/// the same `heights`, heights.count > 0, 0 < least_growth <= heights.growth.
-void lay_prisms(std::span<const double> lift, const LayerHeights& heights, double least_growth,
-                ColumnMesh& mesh);
+/// next is between 1 / heights.growth and heights.growth; where there is no room for that, all are
+/// alike. Precondition: `lift` as from layer_lift with the same `heights`, heights.count > 0,
+/// heights.growth >= 1.
+void lay_prisms(std::span<const double> lift, const LayerHeights& heights, ColumnMesh& mesh);
 
 /// Makes what would be tets of the columns prisms, too. Throws Error(kGuarantee) unless the columns
 /// over each triangle have as many segments each (columns_of_layers) and there is no upper part.

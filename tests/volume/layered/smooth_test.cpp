@@ -106,6 +106,26 @@ TEST(Smooth, OnALadderRoofsBesideASlotAreCutWhereTheirLayersMeet) {
   EXPECT_EQ(layers_of(mesh), (std::array{4, 4}));
 }
 
+TEST(Smooth, OnALadderRoofsFarAboveEachOtherAcrossASlotAreCutAtDifferentLayers) {
+  // Terraced houses: where slopes to layers that can move count in full both are cut at layer 3,
+  // and cells in the slot are between two roofs, 5.4 m apart, and can not be helped.
+  const auto ground_at = [](double x, double) { return 0.3 * std::max(0.0, x - 20); };
+  auto city = testing::small_city(ground_at);
+  city.footprints = {testing::rectangle(30, 30, 44, 45), testing::rectangle(48, 30, 62, 45)};
+  city.roofs = {ground_at(44, 0) + 2, ground_at(62, 0) + 2};
+  GroundMesh ground = mesh_ground(city.footprints, city.domain, {5, 25});
+  const ColumnPlan plan = testing::plan_of(city, ground, 5, true);
+  LayeredMesh mesh = make_layers(std::move(ground), {0, 1, 2.2, 3.7, 5.5, 7.5, 10, 13, 16, 19, 22,
+                                                     25, 30, 40, 60, plan.layers.top});
+  smooth_to_ground(mesh, plan.ground, {});
+  trim(mesh, plan.lowest_roof, city.roofs);
+  std::array<std::int32_t, 2> layers{};
+  for (const TriangleIndex t : mesh.ground.triangles.indices())
+    if (mesh.ground.inside_building(t))
+      layers[mesh.ground.region_of(t).building] = mesh.first_layer[t];
+  EXPECT_EQ(layers, (std::array{2, 3}));
+}
+
 TEST(Smooth, SameBitsForAnyNumberOfThreads) {
   std::vector<std::vector<double>> results;
   for (const int threads : {1, 2, 5}) {
