@@ -41,11 +41,11 @@ struct GroundOutlierOptions {
 ///
 /// The same for any number of threads. Linear in points where the ground is dense, but for sorting
 /// the few neighbourhoods in which something is far from the median; each coarser size of cells
-/// that is needed is one more pass. Memory: 12 bytes per ground point, 1 per point and 8 per cell
-/// (as many as the extent holds, at most 2^26: cells grow where there would be more); and, per
-/// thread, up to 50 for each point of a neighbourhood, which around points that lie far apart from
-/// all others may be most of the cloud.
-/// Throws Error(kInput) for 2^32 points or more, and Cancelled.
+/// that is needed is a few passes more. Memory: 5 bytes per point and 18 per cell (as many as the
+/// extent holds, at most 2^26: cells grow where there would be more); 4 per ground point where the
+/// ground around rises or falls by more than `height`; and, per thread, up to 50 for each point of
+/// a neighbourhood, which around points that lie far apart from all others may be most of the
+/// cloud. Throws Error(kInput) for 2^32 points or more, and Cancelled.
 std::vector<std::uint32_t> find_ground_outliers(const PointCloud& cloud,
                                                 const GroundOutlierOptions& options = {},
                                                 const Progress& progress = {});
