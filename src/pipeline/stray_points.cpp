@@ -21,15 +21,16 @@ constexpr std::size_t kGrain = std::size_t{1} << 20;
 
 using Counts = std::array<std::int64_t, kBins>;
 
-/// How many points of the box lie in each of the equal parts of [low, high].
-Counts count_along(const PointCloud& cloud, const Buffer<PointCoordinate>& along, double low,
-                   double high, const Bounds2& box) {
+/// How many points of the box, of every `stride`-th, lie in each of the equal parts of [low, high].
+Counts count_along(const PointCloud& cloud, std::size_t stride,
+                   const Buffer<PointCoordinate>& along, double low, double high,
+                   const Bounds2& box) {
   const double per_metre = kBins / (high - low);
   return parallel_reduce_ordered(
-      cloud.size(), kGrain, Counts{},
+      cloud.size() / stride, kGrain, Counts{},
       [&](std::size_t begin, std::size_t end) {
         Counts counts{};
-        for (std::size_t p = begin; p < end; ++p) {
+        for (std::size_t p = begin * stride; p < end * stride; p += stride) {
           if (!box.contains({cloud.x[p], cloud.y[p]})) continue;
           const double bin = (along[p] - low) * per_metre;
           ++counts[std::min(static_cast<std::size_t>(std::max(bin, 0.0)), kBins - 1)];
@@ -58,11 +59,25 @@ std::size_t leading_strays(const Counts& counts, std::int64_t few, std::size_t g
   return cut;
 }
 
-/// Moves the sides of [low, high] inwards past strays; false if there are none.
-bool cut_range(Counts counts, std::int64_t few, double& low, double& high) {
+/// Whether so many bins in a row are empty.
+bool has_gap(const Counts& counts, std::size_t gap) {
+  std::size_t empty = 0;
+  return std::any_of(counts.begin(), counts.end(), [&](std::int64_t count) {
+    empty = count == 0 ? empty + 1 : 0;
+    return empty >= gap;
+  });
+}
+
+/// Moves the sides of [low, high], those of the box, inwards past strays; false if there are none.
+bool cut_range(const PointCloud& cloud, const Buffer<PointCoordinate>& along, const Bounds2& box,
+               std::int64_t few, double& low, double& high) {
   const double width = (high - low) / kBins;
   const double metres = std::max(kLeastGap, kLeastGapShare * (high - low));
   const auto gap = static_cast<std::size_t>(std::ceil(metres / width));
+  // Where a few of the points leave no gap, all of them leave none.
+  constexpr std::size_t kSome = 64;
+  if (!has_gap(count_along(cloud, kSome, along, low, high, box), gap)) return false;
+  Counts counts = count_along(cloud, 1, along, low, high, box);
   const std::size_t first = leading_strays(counts, few, gap);
   std::reverse(counts.begin(), counts.end());
   const std::size_t last = leading_strays(counts, few, gap);
@@ -96,12 +111,9 @@ StrayPoints find_stray_points(const PointCloud& cloud, const Bounds2& extent) {
   for (bool cut = true; cut;) {
     cut = false;
     if (box.width() > kLeastGap)
-      cut =
-          cut_range(count_along(cloud, cloud.x, box.xmin, box.xmax, box), few, box.xmin, box.xmax);
+      cut = cut_range(cloud, cloud.x, box, few, box.xmin, box.xmax);
     if (box.height() > kLeastGap)
-      cut = cut_range(count_along(cloud, cloud.y, box.ymin, box.ymax, box), few, box.ymin,
-                      box.ymax) ||
-            cut;
+      cut = cut_range(cloud, cloud.y, box, few, box.ymin, box.ymax) || cut;
     if (cut) box = extent_within(cloud, box);
   }
   StrayPoints strays{{}, box};

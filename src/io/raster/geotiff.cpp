@@ -143,14 +143,7 @@ void write_raster(const fs::path& path, const Raster& raster, Point2 origin, con
   // No side-car file, and one spelling of the keys whatever the machine's configuration.
   const CPLConfigOptionSetter no_side_car("GDAL_PAM_ENABLED", "NO", false);
   CPLStringList options;
-  // Level 6 takes twice as long to make it a few hundredths smaller.
-  options.SetNameValue("COMPRESS", "DEFLATE")
-      .SetNameValue("PREDICTOR", "3")
-      .SetNameValue("ZLEVEL", "1");
-  // GDAL 3.6 waits for ever for threads that found no memory, so there is one.
-  options.SetNameValue("BIGTIFF", "IF_SAFER")
-      .SetNameValue("GEOTIFF_VERSION", "1.1")
-      .SetNameValue("NUM_THREADS", "1");
+  options.SetNameValue("BIGTIFF", "IF_SAFER").SetNameValue("GEOTIFF_VERSION", "1.1");
   gdal::Dataset dataset(GDALCreate(GDALGetDriverByName("GTiff"), memory.path("a.tif").c_str(),
                                    raster.nx, raster.ny, 1, GDT_Float64, options.List()));
   if (dataset == nullptr) throw_cannot_write(path, errors.last());
