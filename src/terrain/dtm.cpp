@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 
 #include <fmt/format.h>
@@ -14,6 +15,10 @@
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/row_major.h"
+
+#include "core/parallel.h"
+#include "core/whole.h"
+#include "core/wide.h"
 
 namespace tetropolis {
 
@@ -43,11 +48,9 @@ struct Axis {
 
   double start() const { return anchor + first * step; }
 
-  /// Index of the node nearest to a coordinate; ties go up. -1 if there is no such node.
-  std::int64_t nearest(double x) const {
-    const double node = std::floor((x - anchor) / step + 0.5) - first;
-    return node >= 0 && node < count ? static_cast<std::int64_t>(node) : -1;
-  }
+  /// Index of the node nearest to a coordinate; ties go up. Below 0 or from `count` on if there is
+  /// no such node.
+  double nearest(double x) const { return whole((x - anchor) / step + 0.5) - first; }
 };
 
 struct Axes {
@@ -67,6 +70,22 @@ Axes axes_over(const Bounds2& domain, double step, const std::optional<Point2>& 
   return {cover(anchor.x, domain.xmin, domain.xmax), cover(anchor.y, domain.ymin, domain.ymax)};
 }
 
+/// The nodes nearest to points; -1 where there is none.
+TETROPOLIS_WIDE void find_nodes(const Axes& given, std::span<const PointCoordinate> x,
+                                std::span<const PointCoordinate> y, std::int32_t* nodes) {
+  const Axes axes = given;  // a copy, which is not written through `nodes`
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    const double i = axes.x.nearest(x[k]), j = axes.y.nearest(y[k]);
+    // One choice after the other, for the loop to be vectorised.
+    double node = j * axes.x.count + i;
+    node = i >= 0 ? node : -1.0;
+    node = i < axes.x.count ? node : -1.0;
+    node = j >= 0 ? node : -1.0;
+    node = j < axes.y.count ? node : -1.0;
+    nodes[k] = static_cast<std::int32_t>(node);
+  }
+}
+
 /// Adds heights and counts of the ground points to the nodes and returns how many there were. One
 /// thread: the sums then have one order, and this takes a fraction of the time of reading the
 /// points. (Points first shared out to bands of rows, and those binned by two threads in the same
@@ -75,18 +94,25 @@ std::int64_t bin_points(const PointCloud& cloud, const std::array<bool, 256>& is
                         const Axes& axes, Raster& sums, std::vector<std::uint32_t>& counts,
                         const Progress& progress) {
   constexpr std::size_t kPointsPerPoll = std::size_t{1} << 20;
+  constexpr std::size_t kBlock = 1024, kAhead = 16;
+  std::array<std::int32_t, kBlock + kAhead> nodes{};
   std::int64_t binned = 0;
-  for (std::size_t p = 0; p < cloud.size(); ++p) {
-    if (p % kPointsPerPoll == 0)
-      progress.update(static_cast<double>(p) / static_cast<double>(cloud.size()));
-    if (!is_ground[cloud.classification[p]]) continue;
-    const std::int64_t i = axes.x.nearest(cloud.x[p]);
-    const std::int64_t j = axes.y.nearest(cloud.y[p]);
-    if (i < 0 || j < 0) continue;
-    const std::size_t node = row_major(i, j, sums.nx);
-    sums.values[node] += cloud.z[p];
-    ++counts[node];
-    ++binned;
+  for (std::size_t begin = 0; begin < cloud.size(); begin += kBlock) {
+    if (begin % kPointsPerPoll == 0)
+      progress.update(static_cast<double>(begin) / static_cast<double>(cloud.size()));
+    const std::size_t size = std::min(kBlock, cloud.size() - begin);
+    find_nodes(axes, {cloud.x.data() + begin, size}, {cloud.y.data() + begin, size}, nodes.data());
+    for (std::size_t k = 0; k < size; ++k) {
+      // Memory is what this waits for.
+      const auto ahead = static_cast<std::size_t>(std::max(nodes[k + kAhead], 0));
+      __builtin_prefetch(&sums.values[ahead], 1);
+      __builtin_prefetch(&counts[ahead], 1);
+      if (nodes[k] < 0 || !is_ground[cloud.classification[begin + k]]) continue;
+      const auto node = static_cast<std::size_t>(nodes[k]);
+      sums.values[node] += cloud.z[begin + k];
+      ++counts[node];
+      ++binned;
+    }
   }
   return binned;
 }
@@ -106,10 +132,13 @@ Neighbours filled_neighbours(const Raster& raster, std::int32_t i, std::int32_t 
   const std::ptrdiff_t row = raster.nx;
   const double* node = raster.values.data() + (j * row + i);
   int count = 0;
+  const bool inside = west && east && south && north;
   const auto value = [&](bool exists, std::ptrdiff_t offset) {
-    if (!exists || std::isnan(node[offset])) return 0.0;
-    ++count;
-    return node[offset];
+    if (!inside && !exists) return 0.0;
+    // Without a branch: which nodes are filled is not to be guessed.
+    const bool is_filled = !std::isnan(node[offset]);
+    count += is_filled ? 1 : 0;
+    return is_filled ? node[offset] : 0.0;
   };
   const double horizontal = value(west, -1) + value(east, 1);
   const double vertical = value(south, -row) + value(north, row);
@@ -118,16 +147,30 @@ Neighbours filled_neighbours(const Raster& raster, std::int32_t i, std::int32_t 
   return {(horizontal + vertical) + (rising + falling), count};
 }
 
-/// The empty nodes next to filled ones; of sparse points, most of them all.
-std::vector<std::int32_t> first_front(const Raster& raster, std::size_t empty) {
-  std::vector<std::int32_t> front;
-  front.reserve(empty);  // what is not used takes up no memory
-  for (std::int32_t j = 0; j < raster.ny; ++j)
-    for (std::int32_t i = 0; i < raster.nx; ++i)
-      if (std::isnan(raster.at(i, j)) && filled_neighbours(raster, i, j).count > 0)
-        front.push_back(j * raster.nx + i);
-  return front;
-}
+/// Empty nodes next to filled ones, in rows, with the means of these; and those next to none.
+struct Front {
+  std::vector<std::int32_t> nodes;
+  std::vector<double> heights;
+  std::vector<std::int32_t> others;
+
+  void reserve(std::ptrdiff_t size) {  // what is not used takes up no memory
+    nodes.reserve(static_cast<std::size_t>(size));
+    heights.reserve(static_cast<std::size_t>(size));
+  }
+  void add(const Raster& raster, std::int32_t node) {
+    const Neighbours around = filled_neighbours(raster, node % raster.nx, node / raster.nx);
+    if (around.count == 0) {
+      others.push_back(node);
+      return;
+    }
+    nodes.push_back(node);
+    heights.push_back(around.sum / around.count);
+  }
+  void fill(Raster& raster) const {
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+      raster.values[static_cast<std::size_t>(nodes[k])] = heights[k];
+  }
+};
 
 /// The empty nodes next to the front just filled, each once.
 std::vector<std::int32_t> next_front(const Raster& raster, const std::vector<std::int32_t>& front,
@@ -224,8 +267,9 @@ Raster build_dtm(const PointCloud& cloud, const Bounds2& domain, const DtmOption
                               "name the classes that are ground, or classify the cloud first",
                               fmt::join(options.classes, ", "), describe_classes(cloud)));
     for (std::size_t node = 0; node < nodes; ++node) {
-      if (counts[node] == 0) ++empty;
-      raster.values[node] = counts[node] == 0 ? kNan : raster.values[node] / counts[node];
+      empty += counts[node] == 0 ? 1 : 0;
+      const double mean = raster.values[node] / counts[node];
+      raster.values[node] = counts[node] == 0 ? kNan : mean;
     }
   }
   const Voids voids = count_voids(raster);
@@ -239,26 +283,37 @@ Raster build_dtm(const PointCloud& cloud, const Bounds2& domain, const DtmOption
 }
 
 void fill_empty_nodes(Raster& raster, const Progress& progress) {
-  const std::int64_t empty = std::count_if(raster.values.begin(), raster.values.end(),
-                                           [](double z) { return std::isnan(z); });
-  std::vector<std::int32_t> front = first_front(raster, static_cast<std::size_t>(empty));
-  std::vector<bool> queued(raster.values.size(), false);
-  std::vector<double> heights;
-  heights.reserve(front.size());  // later ones are hardly larger
-  std::int64_t filled = 0;
-  while (!front.empty()) {
-    progress.update(static_cast<double>(filled) / static_cast<double>(empty));
-    heights.clear();
-    for (const std::int32_t node : front) {
-      const Neighbours around = filled_neighbours(raster, node % raster.nx, node / raster.nx);
-      heights.push_back(around.sum / around.count);
-    }
-    for (std::size_t k = 0; k < front.size(); ++k)
-      raster.values[static_cast<std::size_t>(front[k])] = heights[k];
-    filled += static_cast<std::int64_t>(front.size());
-    front = next_front(raster, front, queued);
+  progress.update(0);
+  constexpr std::size_t kRowGrain = 32;
+  const auto nx = static_cast<std::size_t>(raster.nx), rows = static_cast<std::size_t>(raster.ny);
+  std::vector<Front> chunks((rows + kRowGrain - 1) / kRowGrain);
+  parallel_chunks(rows, kRowGrain, [&](std::size_t begin, std::size_t end) {
+    Front& front = chunks[begin / kRowGrain];
+    const double* const values = raster.values.data();
+    front.reserve(std::count_if(values + begin * nx, values + end * nx,
+                                [](double z) { return std::isnan(z); }));
+    for (std::size_t node = begin * nx; node < end * nx; ++node)
+      if (std::isnan(values[node])) front.add(raster, static_cast<std::int32_t>(node));
+  });
+  std::vector<std::int32_t> open;
+  for (Front& chunk : chunks) {
+    chunk.fill(raster);
+    open.insert(open.end(), chunk.others.begin(), chunk.others.end());
+    chunk = {};
   }
-  assert(filled == empty && "a raster without any height cannot be filled");
+  Front front;
+  for (const std::int32_t node : open) front.add(raster, node);
+  std::vector<bool> queued(open.empty() ? 0 : raster.values.size(), false);
+  std::size_t filled = 0;
+  while (!front.nodes.empty()) {
+    progress.update(static_cast<double>(filled) / static_cast<double>(open.size()));
+    front.fill(raster);
+    filled += front.nodes.size();
+    const std::vector<std::int32_t> next = next_front(raster, front.nodes, queued);
+    front = {};
+    for (const std::int32_t node : next) front.add(raster, node);
+  }
+  assert(filled == open.size() && "a raster without any height cannot be filled");
   progress.update(1);
 }
 

@@ -20,6 +20,8 @@
 #include "core/parallel.h"
 #include "core/ragged_builder.h"
 #include "core/shared_progress.h"
+#include "core/whole.h"
+#include "core/wide.h"
 
 namespace tetropolis {
 
@@ -37,12 +39,7 @@ constexpr std::size_t kPointGrain = std::size_t{1} << 16;
 constexpr int kSquares = 4;  // along one side of a cell
 constexpr std::size_t kAllSquares = std::size_t{9} * kSquares * kSquares;
 
-/// The greatest whole number up to `x`, in loops over several; std::floor is a call on plain
-/// x86-64.
-std::int32_t whole(double x) {
-  const auto towards_zero = static_cast<std::int32_t>(x);
-  return towards_zero - (static_cast<double>(towards_zero) > x ? 1 : 0);
-}
+std::int64_t whole_number(double x) { return static_cast<std::int64_t>(whole(x)); }
 
 /// Calls use(p) for the points of some classes.
 template <typename Use>
@@ -67,6 +64,24 @@ Bounds2 box_of(const PointCloud& cloud, const ClassTable& classes) {
   return {metres(xmin), metres(ymin), metres(xmax), metres(ymax)};
 }
 
+/// How cells are numbered.
+struct Numbering {
+  double cell;  ///< Metres.
+  Point2 anchor;
+  std::uint32_t columns;
+  std::uint32_t before;  ///< The first cell, from the anchor.
+};
+
+TETROPOLIS_WIDE void number_cells(const Numbering& numbering, std::span<const PointCoordinate> x,
+                                  std::span<const PointCoordinate> y, std::uint32_t* cells) {
+  const auto [cell, anchor, columns, before] = numbering;
+  const auto along = [size = cell](double offset) {
+    return static_cast<std::uint32_t>(static_cast<std::int32_t>(whole(offset / size)));
+  };
+  for (std::size_t k = 0; k < x.size(); ++k)
+    cells[k] = along(y[k] - anchor.y) * columns + along(x[k] - anchor.x) - before;
+}
+
 using CellOfPoint = Buffer<std::uint32_t>;
 
 /// Square cells over a box.
@@ -76,10 +91,10 @@ class Grid {
     cell_ = std::max(cell_, std::sqrt(box.width() * box.height() / kMostCells));
     cell_ = std::max(cell_, std::max(box.width(), box.height()) / kMostCells);
     anchor_ = anchor.value_or(Point2{box.xmin, box.ymin});
-    first_column_ = whole((box.xmin - anchor_.x) / cell_);
-    first_row_ = whole((box.ymin - anchor_.y) / cell_);
-    columns_ = whole((box.xmax - anchor_.x) / cell_) - first_column_ + 1;
-    rows_ = whole((box.ymax - anchor_.y) / cell_) - first_row_ + 1;
+    first_column_ = whole_number((box.xmin - anchor_.x) / cell_);
+    first_row_ = whole_number((box.ymin - anchor_.y) / cell_);
+    columns_ = whole_number((box.xmax - anchor_.x) / cell_) - first_column_ + 1;
+    rows_ = whole_number((box.ymax - anchor_.y) / cell_) - first_row_ + 1;
   }
 
   std::int64_t rows() const { return rows_; }
@@ -93,14 +108,8 @@ class Grid {
     const auto columns = static_cast<std::uint32_t>(columns_);
     const auto before = static_cast<std::uint32_t>(first_row_ * columns_ + first_column_);
     parallel_chunks(cloud.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
-      // Copies, for the compiler to take several points at a time.
-      const PointCoordinate *x = cloud.x.data(), *y = cloud.y.data();
-      std::uint32_t* cell = cells.data();
-      const double size = cell_;
-      const Point2 anchor = anchor_;
-      for (std::size_t p = begin; p < end; ++p)
-        cell[p] = static_cast<std::uint32_t>(whole((y[p] - anchor.y) / size)) * columns +
-                  static_cast<std::uint32_t>(whole((x[p] - anchor.x) / size)) - before;
+      number_cells({cell_, anchor_, columns, before}, {cloud.x.data() + begin, end - begin},
+                   {cloud.y.data() + begin, end - begin}, cells.data() + begin);
     });
   }
 
