@@ -61,10 +61,11 @@ double FootprintIndex::entries_with(double cell) const {
 
 void FootprintIndex::build_cells() {
   const double most = kFreeEntries + kEntriesPerFootprint * static_cast<double>(outlines_.size());
-  cell_ = kSmallestCell;
-  while (entries_with(cell_) > most) cell_ *= 2;
-  columns_ = static_cast<std::int32_t>(box_.width() / cell_) + 1;
-  rows_ = static_cast<std::int32_t>(box_.height() / cell_) + 1;
+  double cell = kSmallestCell;
+  while (entries_with(cell) > most) cell *= 2;
+  per_metre_ = 1 / cell;
+  columns_ = static_cast<std::int32_t>(box_.width() * per_metre_) + 1;
+  rows_ = static_cast<std::int32_t>(box_.height() * per_metre_) + 1;
   cells_ = ragged_from_pairs<BuildingIndex>(
       static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), [&](const auto& use) {
         for (const BuildingIndex f : indices<BuildingIndex>(outlines_.size())) {
@@ -77,6 +78,8 @@ void FootprintIndex::build_cells() {
                   f);
         }
       });
+  is_used_.resize(cells_.size());
+  for (std::size_t c = 0; c < cells_.size(); ++c) is_used_[c] = !cells_[c].empty();
 }
 
 double FootprintIndex::squared_distance(BuildingIndex footprint, Point2 p) const {

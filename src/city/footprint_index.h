@@ -34,7 +34,9 @@ class FootprintIndex {
   template <typename Visit>
   void at(Point2 p, const Visit& visit) const {
     if (!box_.contains(p)) return;
-    for (const BuildingIndex footprint : cells_[cell_at(p)]) {
+    const std::size_t cell = cell_at(p);
+    if (!is_used_[cell]) return;
+    for (const BuildingIndex footprint : cells_[cell]) {
       const Outline& outline = outlines_[footprint];
       if (!outline.box.contains(p)) continue;
       if (inside(bands_at(outline, p.y, p.y), p)) {
@@ -79,7 +81,7 @@ class FootprintIndex {
   std::int32_t row(double y) const { return slot(y - box_.ymin, rows_); }
 
   std::int32_t slot(double offset, std::int32_t count) const {
-    return std::clamp(static_cast<std::int32_t>(offset / cell_), 0, count - 1);
+    return std::clamp(static_cast<std::int32_t>(offset * per_metre_), 0, count - 1);
   }
 
   std::size_t cell_at(Point2 p) const { return row_major(column(p.x), row(p.y), columns_); }
@@ -122,10 +124,11 @@ class FootprintIndex {
   Bounds2 box_;
   std::vector<Outline> outlines_;
   RaggedArray<Edge> bands_;  ///< The edges of all bands of all outlines.
-  double cell_ = 1;
+  double per_metre_ = 1;  ///< Cells; a power of two, so that it divides as the cells' size does.
   std::int32_t columns_ = 0;
   std::int32_t rows_ = 0;
   RaggedArray<BuildingIndex> cells_;  ///< Footprints, row by row of the grid.
+  std::vector<bool> is_used_;         ///< Per cell. Most points lie in cells without footprints.
 };
 
 }  // namespace tetropolis
