@@ -124,7 +124,7 @@ class FootprintIndex {
   Bounds2 box_;
   std::vector<Outline> outlines_;
   RaggedArray<Edge> bands_;  ///< The edges of all bands of all outlines.
-  double per_metre_ = 1;  ///< Cells; a power of two, so that it divides as the cells' size does.
+  double per_metre_ = 1;     ///< Cells; a power of two, so that it divides as the cells' size does.
   std::int32_t columns_ = 0;
   std::int32_t rows_ = 0;
   RaggedArray<BuildingIndex> cells_;  ///< Footprints, row by row of the grid.

@@ -110,8 +110,7 @@ StrayPoints find_stray_points(const PointCloud& cloud, const Bounds2& extent) {
   // Each cut takes a tenth of a side, so this ends.
   for (bool cut = true; cut;) {
     cut = false;
-    if (box.width() > kLeastGap)
-      cut = cut_range(cloud, cloud.x, box, few, box.xmin, box.xmax);
+    if (box.width() > kLeastGap) cut = cut_range(cloud, cloud.x, box, few, box.xmin, box.xmax);
     if (box.height() > kLeastGap)
       cut = cut_range(cloud, cloud.y, box, few, box.ymin, box.ymax) || cut;
     if (cut) box = extent_within(cloud, box);

@@ -317,6 +317,8 @@ void write_city_layers(const std::filesystem::path& path, const CityModel& raw,
   const std::string name = path.filename().string();
   gdal::QuietErrors errors;
   const CPLConfigOptionSetter fixed_date("OGR_CURRENT_DATE", "1970-01-01T00:00:00Z", false);
+  // To check that there are none, GDAL reads the tiling schemes of its data folder.
+  const CPLConfigOptionSetter unchecked("GDAL_VALIDATE_CREATION_OPTIONS", "NO", false);
   gdal::Dataset dataset(GDALCreate(GDALGetDriverByName("GPKG"), folder.path(name).c_str(), 0, 0, 0,
                                    GDT_Unknown, nullptr));
   if (dataset == nullptr) throw_cannot_write(path, errors.last());
