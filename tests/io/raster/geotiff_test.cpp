@@ -98,7 +98,7 @@ TEST(GeoTiff, OtherSoftwareSeesTheSame) {
   EXPECT_EQ(info["bands"][0]["noDataValue"], -9999);
   EXPECT_EQ(info["bands"][0]["maximum"], 5);  // The NaN became nodata.
   EXPECT_EQ(info["metadata"][""]["TETROPOLIS_DOMAIN"], "1000,5001,1002,5003");
-  EXPECT_EQ(info["metadata"]["IMAGE_STRUCTURE"]["COMPRESSION"], "DEFLATE");
+  EXPECT_FALSE(info["metadata"]["IMAGE_STRUCTURE"].contains("COMPRESSION"));
   EXPECT_NE(info["coordinateSystem"]["wkt"].get<std::string>().find("SWEREF99 TM"),
             std::string::npos);
   EXPECT_EQ(output_of("gdallocationinfo -valonly -geoloc '" + path.string() + "' 1012 5022"),
