@@ -33,11 +33,10 @@ void expect_same(const UpperMesh& a, const UpperMesh& b) {
   EXPECT_EQ(a.others, b.others);
   EXPECT_EQ(a.over_lid, b.over_lid);
   ASSERT_EQ(a.fans.size(), b.fans.size());
-  EXPECT_TRUE(std::equal(a.fans.begin(), a.fans.end(), b.fans.begin(),
-                         [](const UpperFan& f, const UpperFan& g) {
-                           return f.node == g.node && f.up == g.up && f.cell == g.cell &&
-                                  f.other == g.other;
-                         }));
+  EXPECT_TRUE(std::equal(
+      a.fans.begin(), a.fans.end(), b.fans.begin(), [](const UpperFan& f, const UpperFan& g) {
+        return f.node == g.node && f.up == g.up && f.cell == g.cell && f.other == g.other;
+      }));
 }
 
 TEST(MendFront, IsAsIfAllColumnsHadClimbedAgain) {
