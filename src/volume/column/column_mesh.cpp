@@ -73,20 +73,27 @@ void require_passed_roofs(const ColumnMesh& mesh) {
 /// The shortest vertical edge of the upper part, whose cells have to be positive.
 double shortest_upper_edge(const ColumnMesh& mesh) {
   const UpperMesh& upper = mesh.upper;
-  double shortest = kInfinity;
-  for (std::size_t f = 0; f + 1 < upper.fans.size(); ++f) {
+  const auto shortest_of = [&](std::size_t f) {
     const UpperFan& fan = upper.fans[f];
-    const double z = upper_position(mesh, fan.node)[2];
-    if (fan.up.valid()) shortest = std::min(shortest, upper_position(mesh, fan.up)[2] - z);
     for (std::size_t c = fan.cell; c < upper.fans[f + 1].cell; ++c) {
       std::array<Point3, 4> p;
-      for (std::size_t i = 0; i < 4; ++i) p[i] = upper_position(mesh, upper.cell(f, c)[i]);
+      const UpperMesh::Cell cell = upper.cell(f, c);
+      for (std::size_t i = 0; i < 4; ++i) p[i] = upper_position(mesh, cell[i]);
       const double volume = dot(cross(minus(p[1], p[0]), minus(p[2], p[0])), minus(p[3], p[0]));
       if (!(volume > 0 && volume < kInfinity))
         throw_invalid(upper_vertex(mesh, fan.node), "a cell is inverted");
     }
-  }
-  return shortest;
+    if (!fan.up.valid()) return kInfinity;
+    return upper_position(mesh, fan.up)[2] - upper_position(mesh, fan.node)[2];
+  };
+  return parallel_reduce_ordered(
+      upper.fans.size() - 1, 4096, kInfinity,
+      [&](std::size_t begin, std::size_t end) {
+        double shortest = kInfinity;
+        for (std::size_t f = begin; f < end; ++f) shortest = std::min(shortest, shortest_of(f));
+        return shortest;
+      },
+      [](double a, double b) { return std::min(a, b); });
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "upper_faces.h"
@@ -30,37 +29,40 @@ inline UpperTriangle turned(const UpperTriangle& p, std::size_t by) {
   return {p[by], p[(by + 1) % 3], p[(by + 2) % 3]};
 }
 
+/// Not a std::optional of these, which compilers copy badly.
 struct FanCell {
-  std::size_t fan, cell;
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  std::size_t fan = kNone, cell = 0;
+  bool is_found() const { return fan != kNone; }
 };
 
 /// Finds cells by their tops. Takes 2 bytes per cell.
 class CellsByTop {
  public:
   explicit CellsByTop(const ColumnMesh& mesh);
-  /// Precondition: the triangle is counter-clockwise from above. Nothing if it is on the lid.
-  std::optional<FanCell> find(const UpperTriangle& top) const {
+  /// Precondition: the triangle is counter-clockwise from above. Not found if it is on the lid.
+  FanCell find(const UpperTriangle& top) const {
     for (std::size_t i = 0; i < 3; ++i)
       if (top[i] >= columns_)
-        if (const auto found = find_below(turned(top, i))) return found;
+        if (const FanCell found = find_below(turned(top, i)); found.is_found()) return found;
     const UpperPlace highest = *std::max_element(top.begin(), top.end());
     for (std::size_t i = begin_[highest]; i < begin_[highest + 1]; ++i) {
       const UpperMesh::Cell cell = upper_.cell(at_ends_[i].fan, at_ends_[i].cell);
       const UpperTriangle other = fan_face(cell, FanFace::kTop);
       if (other == top || other == turned(top, 1) || other == turned(top, 2)) return at_ends_[i];
     }
-    return std::nullopt;
+    return {};
   }
 
  private:
   /// Of the fan that goes up to the first corner.
-  std::optional<FanCell> find_below(const UpperTriangle& top) const {
+  FanCell find_below(const UpperTriangle& top) const {
     const std::size_t f = fan_to_[top[0] - columns_];
     const UpperFan &fan = upper_.fans[f], &next = upper_.fans[f + 1];
     const UpperPlace* const other = upper_.others.data() + fan.other;
     for (std::size_t k = 0; k < next.cell - fan.cell; ++k)
-      if (other[k] == top[1] && other[k + 1] == top[2]) return FanCell{f, fan.cell + k};
-    return std::nullopt;
+      if (other[k] == top[1] && other[k + 1] == top[2]) return {f, fan.cell + k};
+    return {};
   }
 
   const UpperMesh& upper_;
@@ -79,13 +81,13 @@ void visit_faces_of(const UpperMesh& upper, const CellsByTop& tops, std::size_t 
   const std::size_t first = upper.fans[f].cell, end = upper.fans[f + 1].cell;
   const auto below = [&](std::size_t c, const Cell& cell, FanFace face) {
     const UpperTriangle bottom = fan_face(cell, face);
-    const auto found = tops.find({bottom[0], bottom[2], bottom[1]});
-    if (!found) return;
-    const Cell other = upper.cell(found->fan, found->cell);
-    if (c < found->cell)
-      visit(InnerFace{{c, found->cell}, {cell, other}, bottom});
+    const FanCell found = tops.find({bottom[0], bottom[2], bottom[1]});
+    if (!found.is_found()) return;
+    const Cell other = upper.cell(found.fan, found.cell);
+    if (c < found.cell)
+      visit(InnerFace{{c, found.cell}, {cell, other}, bottom});
     else
-      visit(InnerFace{{found->cell, c}, {other, cell}, fan_face(other, FanFace::kTop)});
+      visit(InnerFace{{found.cell, c}, {other, cell}, fan_face(other, FanFace::kTop)});
   };
   const auto between = [&](std::size_t c, std::size_t d, FanFace face) {
     const Cell cell = upper.cell(f, c);

@@ -229,10 +229,10 @@ void FanSweep::measure_rise(std::size_t f) {
   for (std::size_t k = 0; k < count; ++k) {
     const Point3 &a = around_[k], &b = around_[k + 1];
     if (k + 1 < count) faces_.add({&node, &up, &b}, centres_[k], centres_[k + 1]);
-    const auto found = tops_.find({fan.node, others[k], others[k + 1]});
-    if (!found) continue;
-    const std::array<Point3, 4> below = corners(upper_.cell(found->fan, found->cell));
-    if (fan.cell + k < found->cell)
+    const FanCell found = tops_.find({fan.node, others[k], others[k + 1]});
+    if (!found.is_found()) continue;
+    const std::array<Point3, 4> below = corners(upper_.cell(found.fan, found.cell));
+    if (fan.cell + k < found.cell)
       faces_.add({&node, &b, &a}, centres_[k], centre_of(below));
     else
       faces_.add({&below[1], &below[2], &below[3]}, centre_of(below), centres_[k]);

@@ -12,6 +12,9 @@ namespace tetropolis {
 /// So many at most.
 inline constexpr std::size_t kTetBatch = 256;
 
+/// From row to row: were it a power of two, all rows would share few sets of the cache.
+inline constexpr std::size_t kRowStride = kTetBatch + 8;
+
 /// Coordinates x, y, z of points, point after point, each a row.
 template <std::size_t kPoints>
 class PointRows {
@@ -27,16 +30,16 @@ class PointRows {
   std::array<Point3, kPoints> operator[](std::size_t k) const {
     std::array<Point3, kPoints> points;
     for (std::size_t i = 0; i < kPoints; ++i)
-      for (std::size_t c = 0; c < 3; ++c) points[i][c] = rows_[(3 * i + c) * kTetBatch + k];
+      for (std::size_t c = 0; c < 3; ++c) points[i][c] = rows_[(3 * i + c) * kRowStride + k];
     return points;
   }
   const double* data() const { return rows_.data(); }
 
  private:
   double* row(std::size_t point, std::size_t c) {
-    return rows_.data() + (3 * point + c) * kTetBatch;
+    return rows_.data() + (3 * point + c) * kRowStride;
   }
-  std::array<double, 3 * kPoints * kTetBatch> rows_;
+  std::array<double, 3 * kPoints * kRowStride> rows_;
   std::size_t size_ = 0;
 };
 

@@ -65,6 +65,9 @@ bool is_wide(const Point3& a, const Point3& b, const Point3& c, double tangent) 
 /// The worst of some cells and faces.
 class Worst {
  public:
+  Worst() = default;
+  explicit Worst(const RiseFigures& rise)
+      : least_(rise.least), greatest_(rise.greatest), straight_(rise.straight) {}
   void add(const Point3& a, const Point3& b, const Point3& c, const Point3& d) {
     const TetCosines shape = tet_cosines(a, b, c, d);
     least_ = std::min(least_, shape.volume > 0 ? 1 - shape.greatest : 0);
@@ -116,26 +119,17 @@ void Climber::find_star(VertexIndex v) {
     i = i + 1 < around.size() ? i + 1 : 0;
     star_.push_back({here.vertex, around[i].vertex, here.piece});
   }
+  rows_.start(n);
+  for (std::size_t k = 0; k < n; ++k)
+    rows_.set(k, at(star_[k].vertex), at(star_[k].next), triangle(star_[k]).centre);
 }
 
 /// Spacing as column_spacing() has it, in the front, and longest edge. Precondition: star_ is that
 /// of v.
 void Climber::measure_star(VertexIndex v) {
-  const Point3& o = at(v);
-  double longest2 = 0, altitude = kInfinity, longest = 0;
-  for (const Spoke& spoke : star_) {
-    const Point3 &p = at(spoke.vertex), &q = at(spoke.next);
-    const auto square = [](const Point3& a, const Point3& b) {
-      return (b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]);
-    };
-    const double op = square(o, p), oq = square(o, q), pq = square(p, q);
-    const double area = (p[0] - o[0]) * (q[1] - o[1]) - (p[1] - o[1]) * (q[0] - o[0]);
-    altitude = std::min(altitude, area / std::sqrt(std::max({op, oq, pq})));
-    longest2 = std::max({longest2, op, oq});
-    longest = std::max(longest, std::hypot(p[0] - o[0], p[1] - o[1]));
-  }
-  column(v).spacing = front_.shares[v] * spacing_over(altitude, longest2);
-  column(v).longest = longest;
+  const StarSizes sizes = rows_.sizes_around(at(v));
+  column(v).spacing = front_.shares[v] * spacing_over(sizes.altitude, sizes.longest2);
+  column(v).longest = std::sqrt(sizes.longest2);
 }
 
 bool Climber::may_end(VertexIndex v) const {
@@ -163,7 +157,7 @@ void Climber::set_due(VertexIndex v) {
 }
 
 /// Quality, and the elevation to rise to. Near the top the rest is divided evenly.
-std::pair<double, double> Climber::best_rise(VertexIndex v) const {
+std::pair<double, double> Climber::best_rise(VertexIndex v) {
   const double z = at(v)[2], wanted = column(v).spacing, left = front_.top - z;
   std::pair<double, double> best{0, front_.top};
   for (const double share : kLengths) {
@@ -173,33 +167,14 @@ std::pair<double, double> Climber::best_rise(VertexIndex v) const {
       const double parts = std::max(least, std::round(left / (share * wanted)));
       to = parts > 1 ? z + left / parts : front_.top;
     }
-    best = std::max(best, {worst_of_rise(v, to, best.first).share(), to});
+    best = std::max(best, {worst_of_rise(v, to).share(), to});
     if (best.first >= kGoodRise) break;
   }
   return best;
 }
 
-/// Below `least_share` not the worst perhaps.
-Worst Climber::worst_of_rise(VertexIndex v, double to, double least_share) const {
-  Worst worst;
-  const Point3& p = at(v);
-  const Point3 up{p[0], p[1], to};
-  Point3 first{}, last{};
-  for (const Spoke& spoke : star_) {
-    const Point3 &a = at(spoke.vertex), &b = at(spoke.next);
-    worst.add(p, a, b, up);
-    const Point3 centre = centre_of({p, a, b, up});
-    worst.add_face({p, a, b}, triangle(spoke).centre, centre);
-    if (&spoke == &star_.front())
-      first = centre;
-    else
-      worst.add_face({p, a, up}, last, centre);
-    if (least_share > 0 && worst.share() < least_share) return worst;
-    last = centre;
-  }
-  if (star_.back().next == star_.front().vertex)
-    worst.add_face({p, at(star_.front().vertex), up}, last, first);
-  return worst;
+Worst Climber::worst_of_rise(VertexIndex v, double to) {
+  return Worst(rows_.measure_rise(at(v), to, star_.back().next == star_.front().vertex));
 }
 
 void Climber::rise(VertexIndex v, double to) {
@@ -385,7 +360,7 @@ void Climber::go(VertexIndex v) {
   if (wants_to_end(v) && end(v, kGoodEnd, kLeastAngle)) return;
   const auto [quality, to] = best_rise(v);
   if (quality < kGoodRise && may_end(v) && end(v, quality, kLeastAngleOfNeed)) return;
-  if (quality < 1 && worst_of_rise(v, to, 0).is_below_floor()) add_poor(v);
+  if (quality < 1 && worst_of_rise(v, to).is_below_floor()) add_poor(v);
   rise(v, to);
   if (to < front_.top) turn.due = key(v);
 }

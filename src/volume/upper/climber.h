@@ -12,6 +12,7 @@
 
 #include "core/infinity.h"
 #include "front.h"
+#include "star_rows.h"
 
 namespace tetropolis {
 
@@ -118,8 +119,8 @@ class Climber {
   /// That it may have now.
   double longest_edge(VertexIndex v) const;
   bool wants_to_end(VertexIndex v) const;
-  std::pair<double, double> best_rise(VertexIndex v) const;
-  Worst worst_of_rise(VertexIndex v, double to, double least_share) const;
+  std::pair<double, double> best_rise(VertexIndex v);
+  Worst worst_of_rise(VertexIndex v, double to);
   void add_step(VertexIndex v, double to) {
     done_.steps.push_back({to, v, static_cast<std::int32_t>(star_.size())});
     done_.orders.push_back(column(v).order);
@@ -146,7 +147,8 @@ class Climber {
   Front& front_;
   FrontSteps& done_;
   bool tells_risen_, is_sound_ = true;
-  std::vector<Spoke> star_;           // of the vertex that is looked at
+  std::vector<Spoke> star_;           // of the vertex that is looked at,
+  StarRows rows_;                     // and its points
   std::vector<VertexIndex> waiting_;  // each for the one after it
 };
 

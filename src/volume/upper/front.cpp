@@ -1,6 +1,7 @@
 #include "front.h"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <utility>
 
@@ -20,6 +21,12 @@ namespace {
 /// Columns that a tile is to be wide, about: many more than wait for those at a seam, and few
 /// enough for a cache.
 constexpr double kColumnsAcross = 80;
+
+/// Of tiles, in sides: at first, then across the seams, and across the seams of those.
+constexpr std::array<std::pair<double, double>, 4> kShifts{
+    {{0.0, 0.0}, {0.5, 0.5}, {0.5, 0.0}, {0.0, 0.5}}};
+/// After so many times of these, as good as none are left.
+constexpr std::size_t kRounds = 3;
 
 /// Orders those around v, of which each begins a triangle of the ground.
 void order_around(VertexIndex v, const GroundMesh& ground, std::vector<Neighbour>& around) {
@@ -45,13 +52,14 @@ void order_around(VertexIndex v, const GroundMesh& ground, std::vector<Neighbour
     around.push_back({next(around.back()), kNoPiece});
 }
 
-/// Puts the column on the lid.
-void start_column(const ColumnMesh& mesh, VertexIndex v, Front& front) {
+/// Puts the column on the lid. `triangles`: room for those around it.
+void start_column(const ColumnMesh& mesh, VertexIndex v, Front& front,
+                  std::vector<TriangleIndex>& triangles) {
   FrontColumn& own = front.columns[v];
   own = {};
   own.at = position(mesh, v, mesh.top(v));
   own.lid = own.at[2];
-  std::vector<TriangleIndex> triangles;
+  triangles.clear();
   const auto add = [&](EdgeIndex e) {
     const auto [a, b] = mesh.edges.vertices[e];
     const Point2 p = mesh.ground.vertices[a], q = mesh.ground.vertices[b];
@@ -146,7 +154,9 @@ FrontClimb::~FrontClimb() = default;
 void FrontClimb::start(std::span<const VertexIndex> columns, std::span<const double> shares) {
   front_->shares = shares;
   parallel_chunks(columns.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (const VertexIndex v : columns.subspan(begin, end - begin)) start_column(mesh_, v, *front_);
+    std::vector<TriangleIndex> triangles;
+    for (const VertexIndex v : columns.subspan(begin, end - begin))
+      start_column(mesh_, v, *front_, triangles);
   });
   parallel_chunks(columns.size(), 4096, [&](std::size_t begin, std::size_t end) {
     FrontSteps none;
@@ -167,14 +177,19 @@ FrontPhases FrontClimb::to_top(std::span<const double> shares) {
   });
   start(all, shares);
   FrontPhases phases;
+  // Returns whether some were left.
   const auto climb = [&](std::size_t count, const auto& tile_at) {
     std::vector<std::vector<VertexIndex>> columns(count);
+    bool is_any_left = false;
     for (const VertexIndex v : all) {
       Turn& turn = front_->turns[v];
       const std::size_t tile = tile_at(front_->columns[v].at);
       turn.tile = static_cast<std::int32_t>(tile);
-      if (turn.due < kInfinity) columns[tile].push_back(v);
+      if (!(turn.due < kInfinity)) continue;
+      columns[tile].push_back(v);
+      is_any_left = true;
     }
+    if (!is_any_left) return false;
     std::vector<FrontSteps>& steps = phases.emplace_back(count);
     ++phase_;
     parallel_in_order(count, [&](std::size_t i) {
@@ -184,13 +199,14 @@ FrontPhases FrontClimb::to_top(std::span<const double> shares) {
       steps[i].orders.shrink_to_fit();
       steps[i].others.shrink_to_fit();
     });
+    return true;
   };
-  if (tiles_ > 1) {
-    const Tiles grid(mesh_.ground, tiles_);
-    for (const auto& [x, y] : {std::pair(0.0, 0.0), {0.5, 0.5}, {0.5, 0.0}, {0.0, 0.5}}) {
-      const double shift_x = x, shift_y = y;
-      climb(grid.size(), [&](const Point3& p) { return grid.at(p, shift_x, shift_y); });
-    }
+  const Tiles grid(mesh_.ground, tiles_);
+  bool is_any_left = tiles_ > 1;
+  for (std::size_t i = 0; is_any_left && i < kRounds * kShifts.size(); ++i) {
+    const auto [x, y] = kShifts[i % kShifts.size()];
+    is_any_left =
+        climb(grid.size(), [&, x = x, y = y](const Point3& p) { return grid.at(p, x, y); });
   }
   climb(1, [](const Point3&) { return std::size_t{0}; });
   for (std::vector<Neighbour>& around : front_->around) around.clear();
@@ -201,8 +217,9 @@ std::optional<FrontSteps> FrontClimb::within(std::span<const VertexIndex> column
                                              std::span<const VertexIndex> others,
                                              const FrontRecord& record,
                                              std::span<const double> shares) {
+  std::vector<TriangleIndex> triangles;
   for (const VertexIndex v : others) {
-    start_column(mesh_, v, *front_);
+    start_column(mesh_, v, *front_, triangles);
     front_->around[v].clear();
   }
   for (const TriangleIndex t : triangles_around(mesh_.edges, columns))

@@ -4,8 +4,8 @@
 // column may go as soon as all around it are to go later, whatever is going on elsewhere, and all
 // is as if one thread had taken them in order. The ground is divided into tiles, one thread to
 // each, which are as small as fits a cache: columns beside another tile stay, and so do those that
-// wait for them; tiles across the seams are next, and those across their seams. What is left then,
-// if anything, is done in one piece.
+// wait for them; tiles across the seams are next, those across their seams, and the first again.
+// What is left after some rounds, if anything, is done in one piece.
 #pragma once
 
 #include <cmath>
