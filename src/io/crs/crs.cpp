@@ -102,13 +102,13 @@ Srs without_code(OGRSpatialReferenceH srs) {
   return parse_srs(definition.dump());
 }
 
-bool has_axes_east_and_north(OGRSpatialReferenceH srs) {
-  for (int i = 0; i < 2; ++i) {
-    OGRAxisOrientation towards = OAO_Other;
-    OSRGetAxis(srs, nullptr, i, &towards);
-    if (towards != OAO_East && towards != OAO_North) return false;
-  }
-  return true;
+using AxisDirections = std::array<OGRAxisOrientation, 2>;
+
+AxisDirections axes_of(OGRSpatialReferenceH srs) {
+  AxisDirections towards{OAO_Other, OAO_Other};
+  for (std::size_t i = 0; i < towards.size(); ++i)
+    OSRGetAxis(srs, nullptr, static_cast<int>(i), &towards[i]);
+  return towards;
 }
 
 /// The same with axes east, north: systems that differ in the order of their axes only (EPSG:3042
@@ -116,7 +116,11 @@ bool has_axes_east_and_north(OGRSpatialReferenceH srs) {
 /// point south and west (EPSG:5513): there the coordinates are others.
 Srs with_usual_axes(OGRSpatialReferenceH srs) {
   Srs result(OSRClone(srs));
-  if (OSRIsProjected(srs) != 0 && has_axes_east_and_north(srs))
+  const AxisDirections towards = axes_of(srs);
+  const auto is_usual = [](OGRAxisOrientation to) { return to == OAO_East || to == OAO_North; };
+  // Those that have them already would only be looked up anew.
+  if (OSRIsProjected(srs) != 0 && std::all_of(towards.begin(), towards.end(), is_usual) &&
+      towards != AxisDirections{OAO_East, OAO_North})
     OSRSetAxes(result.get(), "PROJCS", "Easting", OAO_East, "Northing", OAO_North);
   return result;
 }
@@ -179,7 +183,7 @@ std::string vertical_name(OGRSpatialReferenceH srs) {
   return whole && OSRGetAxesCount(srs) == 3 ? kEllipsoidal : "";
 }
 
-std::string canonical_name(OGRSpatialReferenceH given) {
+std::string canonical_name(OGRSpatialReferenceH given, const std::string& expected) {
   if (given == nullptr) return "";
   Srs srs(OSRClone(given));
   if (!reduce_to_horizontal(srs.get())) return "";
@@ -187,6 +191,11 @@ std::string canonical_name(OGRSpatialReferenceH given) {
     if (is_known(code, srs.get())) return code;
     // Some definitions carry codes of other authorities as EPSG's (102100).
     if (Srs bare = without_code(srs.get()); bare != nullptr) srs = std::move(bare);
+  }
+  if (!expected.empty()) {
+    const QuietErrors errors;
+    const Srs other = parse_srs(expected);
+    if (other != nullptr && equivalent(srs.get(), other.get())) return expected;
   }
   if (std::string code = find_epsg(srs.get()); !code.empty()) return code;
   constexpr std::array<const char*, 3> kOptions = {"FORMAT=WKT2_2019", "MULTILINE=NO", nullptr};

@@ -129,7 +129,8 @@ inline constexpr const char* kEllipsoidal = "ellipsoidal";
 /// systems of three dimensions; else "".
 std::string vertical_name(OGRSpatialReferenceH srs);
 
-/// See normalise_crs. Never throws; "" for local systems in metres and the like.
-std::string canonical_name(OGRSpatialReferenceH srs);
+/// See normalise_crs. Never throws; "" for local systems in metres and the like. `expected`: what a
+/// definition without a code is named if it says the same; no more has to be looked up then.
+std::string canonical_name(OGRSpatialReferenceH srs, const std::string& expected = "");
 
 }  // namespace tetropolis::gdal

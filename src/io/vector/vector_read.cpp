@@ -462,7 +462,7 @@ FootprintsInput read_open_vector(const fs::path& path, const VectorFile& file,
   if (const std::string why = why_incomplete(path); !why.empty())
     result.warnings.push_back({"footprints_fewer", 1, one_line(path.string() + ": " + why)});
   result.bounds = bounds_of(result.features);
-  result.crs = gdal::canonical_name(source.reference_system());
+  result.crs = gdal::canonical_name(source.reference_system(), target);
   settle_crs(path, options, is_of_format(file.dataset.get(), "GeoJSON"), result);
   if (!target.empty() && !result.crs.empty()) reproject_footprints(result, target);
   return result;
@@ -478,6 +478,8 @@ FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOption
   const CPLConfigOptionSetter by_layer("OGR_INTERLEAVED_READING", "NO", false);
   const CPLConfigOptionSetter nothing_beside("CPL_VSIL_GZIP_WRITE_PROPERTIES", "NO", false);
   const CPLConfigOptionSetter on("GML_SKIP_CORRUPTED_FEATURES", "YES", false);
+  // Of shapefiles, whose systems have no codes: canonical_name() looks for one if it has to.
+  const CPLConfigOptionSetter no_search("USE_OSR_FIND_MATCHES", "NO", false);
   const VectorFile file = open_vector(path, errors, !options.source_crs.empty());
   return read_open_vector(path, file, errors, options);
 }
