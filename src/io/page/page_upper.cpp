@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/parallel.h"
 #include "page_columns.h"
 
 namespace tetropolis {
@@ -15,24 +16,28 @@ namespace {
 
 /// A node of the front: those of a column follow each other, from the lid upwards. A step is told
 /// by the one that it leaves.
-using Place = std::size_t;
+using Place = std::uint32_t;
 
 /// The steps: one to each fan.
 class Steps {
  public:
   explicit Steps(const ColumnMesh& mesh) : mesh_(mesh) {
     const UpperMesh& upper = mesh.upper;
-    std::vector<std::size_t> nodes(mesh.vertex_count(), 1);
+    std::vector<Place> nodes(mesh.vertex_count(), 1);
     for (const VertexIndex v : upper.vertex) ++nodes[v];
     first_.push_back(0);
-    for (const std::size_t count : nodes) first_.push_back(first_.back() + count);
+    for (const Place count : nodes) first_.push_back(first_.back() + count);
     for (const VertexIndex v : mesh.ground.vertices.indices()) vertex_.resize(first_[v + 1], v);
     fan_.assign(vertex_.size(), kNoFan);
     for (std::size_t f = 0; f + 1 < upper.fans.size(); ++f)
       fan_[place(upper.fans[f].node)] = static_cast<std::uint32_t>(f);
+    others_.resize(upper.others.size());
+    parallel_chunks(others_.size(), 65536, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) others_[i] = place(upper.others[i]);
+    });
   }
 
-  std::size_t size() const { return vertex_.size(); }
+  Place size() const { return static_cast<Place>(vertex_.size()); }
   Place first(VertexIndex v) const { return first_[v]; }
   Place last(VertexIndex v) const { return first_[v + 1] - 1; }
   VertexIndex vertex(Place p) const { return vertex_[p]; }
@@ -40,32 +45,34 @@ class Steps {
   bool is_step(Place p) const { return fan_[p] != kNoFan; }
   bool is_end(Place p) const { return is_step(p) && p == last(vertex_[p]); }
 
-  Place place(UpperPlace p) const {
-    const std::size_t columns = mesh_.vertex_count();
-    if (p < columns) return first_[p];
-    return p - columns + std::size_t{mesh_.upper.vertex[p - columns]} + 1;
-  }
-
   /// Of the cells that the step makes.
-  std::span<const UpperPlace> others(Place p) const {
+  std::span<const Place> others(Place p) const {
     const auto& fans = mesh_.upper.fans;
     const std::size_t begin = fans[fan_[p]].other, end = fans[fan_[p] + 1].other;
-    return std::span(mesh_.upper.others).subspan(begin, end - begin);
+    return std::span(others_).subspan(begin, end - begin);
   }
 
   /// The places around it when it is taken, some twice.
   template <typename Visit>
   void for_each_around(Place p, const Visit& visit) const {
     if (!is_step(p)) return;
-    for (const UpperPlace other : others(p)) visit(place(other));
+    for (const Place other : others(p)) visit(other);
   }
 
  private:
+  Place place(UpperPlace p) const {
+    const std::size_t columns = mesh_.vertex_count();
+    if (p < columns) return first_[p];
+    const std::size_t node = p - columns;
+    return static_cast<Place>(node + std::size_t{mesh_.upper.vertex[node]} + 1);
+  }
+
   static constexpr std::uint32_t kNoFan = 0xffffffff;
   const ColumnMesh& mesh_;
   std::vector<Place> first_;         // per vertex, and one more
   std::vector<VertexIndex> vertex_;  // per place
   std::vector<std::uint32_t> fan_;   // per place
+  std::vector<Place> others_;
 };
 
 /// The elevations of places, as the reader has them.
@@ -111,44 +118,50 @@ Due due(const ColumnMesh& mesh, const Steps& steps, std::span<const double> z,
   return {std::int64_t{2} * read[p] + ahead, std::max<std::int64_t>(1, ahead / 8)};
 }
 
-/// Returns the keys of steps, by place. Each follows those that have made the places around it, and
-/// comes before those that leave them.
-std::vector<std::int64_t> add_waits(const ColumnMesh& mesh, const Steps& steps,
-                                    std::span<const double> z, std::span<const std::int32_t> read,
-                                    PageUpper& page) {
-  // By place: the steps it is around of.
-  std::vector<std::uint32_t> begin(steps.size() + 1, 0);
-  for (Place p = 0; p < steps.size(); ++p)
-    steps.for_each_around(p, [&](Place q) { ++begin[q + 1]; });
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<std::uint32_t> around(begin.back());
-  std::vector<std::uint32_t> filled(begin.begin(), begin.end() - 1);
-  std::vector<std::uint32_t> before(steps.size(), 0);  // how many are to be taken before
-  for (Place p = 0; p < steps.size(); ++p) {
-    steps.for_each_around(p, [&](Place q) {
-      around[filled[q]++] = static_cast<std::uint32_t>(p);
-      if (!steps.is_on_lid(q)) ++before[p];
-    });
-    if (!steps.is_on_lid(p)) ++before[p];
-    before[p] += begin[p + 1] - begin[p];
-  }
+/// Of a step, while keys are found.
+struct Turn {
+  std::int64_t key = 0;      // the least that it may be
+  std::uint32_t before = 0;  // how many are to be taken before
+  std::int32_t wait = 0;
+};
 
-  std::vector<std::int64_t> key(steps.size(), 0);  // the least that it may be
-  std::vector<std::int32_t> wait(steps.size(), 0);
+/// Returns the turns of steps, by place. The key of each follows those that have made the places
+/// around it, and comes before those that leave them.
+std::vector<Turn> add_waits(const ColumnMesh& mesh, const Steps& steps, std::span<const double> z,
+                            std::span<const std::int32_t> read, PageUpper& page) {
+  // By place: the steps it is around of.
+  std::vector<std::uint32_t> begin(steps.size() + 2, 0);
+  for (Place p = 0; p < steps.size(); ++p)
+    steps.for_each_around(p, [&](Place q) { ++begin[q + 2]; });
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<Place> around(begin.back());
+  std::vector<Turn> turns(steps.size());
+  for (Place p = 0; p < steps.size(); ++p) {
+    std::uint32_t& before = turns[p].before;
+    steps.for_each_around(p, [&](Place q) {
+      around[begin[q + 1]++] = p;
+      if (!steps.is_on_lid(q)) ++before;
+    });
+    if (!steps.is_on_lid(p)) ++before;
+  }
+  for (Place p = 0; p < steps.size(); ++p) turns[p].before += begin[p + 1] - begin[p];
+
   std::vector<Place> ready;
   for (Place p = 0; p < steps.size(); ++p)
-    if (steps.is_step(p) && before[p] == 0) ready.push_back(p);
+    if (steps.is_step(p) && turns[p].before == 0) ready.push_back(p);
   while (!ready.empty()) {
     const Place p = ready.back();
     ready.pop_back();
+    Turn& own = turns[p];
     const Due made_up = due(mesh, steps, z, read, p);
-    const std::int64_t late = std::max<std::int64_t>(0, key[p] - made_up.key);
-    wait[p] = static_cast<std::int32_t>((late + made_up.unit - 1) / made_up.unit);
-    key[p] = made_up.key + wait[p] * made_up.unit;
-    const auto precede = [&](Place q) {
+    const std::int64_t late = std::max<std::int64_t>(0, own.key - made_up.key);
+    own.wait = static_cast<std::int32_t>((late + made_up.unit - 1) / made_up.unit);
+    own.key = made_up.key + own.wait * made_up.unit;
+    const auto precede = [&, after = own.key + 1](Place q) {
       if (!steps.is_step(q)) return;
-      key[q] = std::max(key[q], key[p] + 1);
-      if (--before[q] == 0) ready.push_back(q);
+      Turn& next = turns[q];
+      next.key = std::max(next.key, after);
+      if (--next.before == 0) ready.push_back(q);
     };
     steps.for_each_around(p, precede);
     if (p == steps.last(steps.vertex(p))) continue;
@@ -156,54 +169,76 @@ std::vector<std::int64_t> add_waits(const ColumnMesh& mesh, const Steps& steps,
     for (std::size_t i = begin[p + 1]; i < begin[p + 2]; ++i) precede(around[i]);
   }
   for (Place p = 0; p < steps.size(); ++p)
-    if (steps.is_step(p)) page.wait.push_back(wait[p]);
-  return key;
+    if (steps.is_step(p)) page.wait.push_back(turns[p].wait);
+  return turns;
 }
 
-/// How the hole of a column that ends at `p` is covered.
-void add_splits(const Steps& steps, Place p, PageUpper& page) {
+/// Tells how holes of columns are covered.
+class SplitWriter {
+ public:
+  SplitWriter(const Steps& steps, PageUpper& page) : steps_(steps), page_(page) {}
+  /// That of a column that ends at `p`.
+  void add(Place p);
+
+ private:
   using Corners = std::array<VertexIndex, 3>;
-  std::vector<Corners> covers;
-  std::vector<std::pair<VertexIndex, VertexIndex>> edges;
-  const std::span<const UpperPlace> others = steps.others(p);
+  bool has_edge(VertexIndex a, VertexIndex b) const {
+    return std::find(edges_.begin(), edges_.end(), std::pair(a, b)) != edges_.end();
+  }
+  bool is_cover(VertexIndex a, VertexIndex b, VertexIndex c) const;
+  void find_ring();
+  void split(std::size_t i, std::size_t j);
+
+  const Steps& steps_;
+  PageUpper& page_;
+  std::vector<Corners> covers_;
+  std::vector<std::pair<VertexIndex, VertexIndex>> edges_;
+  std::vector<VertexIndex> ring_;
+};
+
+void SplitWriter::add(Place p) {
+  covers_.clear();
+  edges_.clear();
+  const std::span<const Place> others = steps_.others(p);
   for (std::size_t i = 0; i < others.size(); i += 3) {
     Corners c;
-    for (std::size_t k = 0; k < 3; ++k) c[k] = steps.vertex(steps.place(others[i + k]));
-    covers.push_back(c);
-    for (std::size_t k = 0; k < 3; ++k) edges.emplace_back(c[k], c[(k + 1) % 3]);
+    for (std::size_t k = 0; k < 3; ++k) c[k] = steps_.vertex(others[i + k]);
+    covers_.push_back(c);
+    for (std::size_t k = 0; k < 3; ++k) edges_.emplace_back(c[k], c[(k + 1) % 3]);
   }
-  // The ring: edges without one that goes back.
-  std::vector<VertexIndex> ring;
-  for (const auto& edge : edges) {
-    const std::pair back(edge.second, edge.first);
-    if (std::find(edges.begin(), edges.end(), back) == edges.end()) ring.push_back(edge.first);
-  }
-  const auto is_next = [&](VertexIndex a, VertexIndex b) {
-    return std::find(edges.begin(), edges.end(), std::pair(a, b)) != edges.end() &&
-           std::find(edges.begin(), edges.end(), std::pair(b, a)) == edges.end();
-  };
-  std::iter_swap(ring.begin(), std::min_element(ring.begin(), ring.end()));
-  for (std::size_t i = 1; i < ring.size(); ++i)
-    for (std::size_t j = i; j < ring.size(); ++j)
-      if (is_next(ring[i - 1], ring[j])) {
-        std::swap(ring[i], ring[j]);
+  find_ring();
+  split(0, ring_.size() - 1);
+}
+
+/// Of edges without one that goes back, from its least vertex.
+void SplitWriter::find_ring() {
+  ring_.clear();
+  for (const auto& [a, b] : edges_)
+    if (!has_edge(b, a)) ring_.push_back(a);
+  std::iter_swap(ring_.begin(), std::min_element(ring_.begin(), ring_.end()));
+  const auto is_next = [&](VertexIndex a, VertexIndex b) { return has_edge(a, b) && !has_edge(b, a); };
+  for (std::size_t i = 1; i < ring_.size(); ++i)
+    for (std::size_t j = i; j < ring_.size(); ++j)
+      if (is_next(ring_[i - 1], ring_[j])) {
+        std::swap(ring_[i], ring_[j]);
         break;
       }
-  const auto is_cover = [&](VertexIndex a, VertexIndex b, VertexIndex c) {
-    for (const Corners& cover : covers)
-      for (std::size_t k = 0; k < 3; ++k)
-        if (cover[k] == a && cover[(k + 1) % 3] == b && cover[(k + 2) % 3] == c) return true;
-    return false;
-  };
-  const auto split = [&](const auto& self, std::size_t i, std::size_t j) -> void {
-    if (j - i < 2) return;
-    std::size_t k = i + 1;
-    while (!is_cover(ring[i], ring[k], ring[j])) ++k;
-    if (j - i > 2) page.splits.push_back(static_cast<std::uint8_t>(k - i - 1));
-    self(self, i, k);
-    self(self, k, j);
-  };
-  split(split, 0, ring.size() - 1);
+}
+
+bool SplitWriter::is_cover(VertexIndex a, VertexIndex b, VertexIndex c) const {
+  for (const Corners& cover : covers_)
+    for (std::size_t k = 0; k < 3; ++k)
+      if (cover[k] == a && cover[(k + 1) % 3] == b && cover[(k + 2) % 3] == c) return true;
+  return false;
+}
+
+void SplitWriter::split(std::size_t i, std::size_t j) {
+  if (j - i < 2) return;
+  std::size_t k = i + 1;
+  while (!is_cover(ring_[i], ring_[k], ring_[j])) ++k;
+  if (j - i > 2) page_.splits.push_back(static_cast<std::uint8_t>(k - i - 1));
+  split(i, k);
+  split(k, j);
 }
 
 }  // namespace
@@ -219,12 +254,13 @@ PageUpper page_upper(const ColumnMesh& mesh, std::span<const double> z) {
     page.count.push_back(count - std::exchange(last, count));
   }
   const std::vector<std::int32_t> read = add_rises(mesh, steps, z, page);
-  const std::vector<std::int64_t> key = add_waits(mesh, steps, z, read, page);
+  const std::vector<Turn> turns = add_waits(mesh, steps, z, read, page);
   std::vector<std::pair<std::int64_t, Place>> ends;
   for (Place p = 0; p < steps.size(); ++p)
-    if (steps.is_end(p)) ends.emplace_back(key[p], p);
+    if (steps.is_end(p)) ends.emplace_back(turns[p].key, p);
   std::sort(ends.begin(), ends.end());
-  for (const auto& end : ends) add_splits(steps, end.second, page);
+  SplitWriter splits(steps, page);
+  for (const auto& end : ends) splits.add(end.second);
   return page;
 }
 
