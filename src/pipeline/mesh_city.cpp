@@ -16,6 +16,7 @@
 
 #include "city/roofs/divide_ground.h"
 #include "city_parts.h"
+#include "core/parallel.h"
 #include "core/sort_once.h"
 #include "core/units.h"
 #include "ground/size_field.h"
@@ -424,24 +425,27 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
     });
   if (!columns.mesh.upper.empty() || columns.mesh.layers.cells() > 0)
     result.volume_facts.min_vertical_gap = require_valid(columns.mesh);
-  if (options.cells == Cells::kTets)
-    clock.run("3.6", "measure cells and faces", [&](const Progress&) {
-      if (options.layering == Layering::kUniform)
-        quality = measure_quality(columns.mesh, kWorstCells);
-      else
-        measure_ends(columns.mesh, kWorstCells, quality);
-    });
   warn_of_lowered_ground(columns.plan, excavated, result.warnings);
   tell_excavation(options, columns.plan, std::move(excavated), result.volume_facts);
   result.volume = std::move(columns.mesh);
   columns.plan = {};
   result.ground_facts.size_scale = scale;
-  result.ground_facts.resolution = score_resolution(city, result.volume);
-  clock.run("3.6", "boundary", [&](const Progress&) {
+  clock.run("3.6", "quality and boundary", [&](const Progress&) {
+    // One thread at most follows the boundary, and several measure.
+    parallel_in_order(2, [&](std::size_t job) {
+      if (job == 0) {
+        result.boundary = checked_boundary(result.volume, result);
+        result.ground_facts.resolution = score_resolution(city, result.volume);
+      } else if (options.cells == Cells::kTets) {
+        if (options.layering == Layering::kUniform)
+          quality = measure_quality(result.volume, kWorstCells);
+        else
+          measure_ends(result.volume, kWorstCells, quality);
+      }
+    });
     warn_of_prisms(result.volume_facts.prisms, result.warnings);
     if (!result.volume.layers.whole) warn_below_floor(options, quality, result.warnings);
     tell_quality(result.volume, std::move(quality), result.volume_facts);
-    result.boundary = checked_boundary(result.volume, result);
   });
   if (!options.canopies.empty())
     clock.run("3.6", "canopies",

@@ -175,7 +175,8 @@ std::string make_page(const CityInMemory& city, const MeshInMemory& mesh) {
   report.solver = mesh.report.solver;
   add_steps(mesh.report.steps, report);
   add_warnings(mesh.report.warnings, report);
-  return page_of(mesh.city, &mesh.mesh.volume, page_footprints(city.built), std::move(report), "");
+  const PageMesh shown = page_mesh(mesh.mesh.volume);
+  return page_of(mesh.city, &shown, page_footprints(city.built), std::move(report), "");
 }
 
 }  // namespace tetropolis

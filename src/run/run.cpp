@@ -12,6 +12,7 @@
 #include "tetropolis/io/raster/geotiff.h"
 #include "tetropolis/io/vector/city_layers.h"
 
+#include "core/parallel.h"
 #include "core/step_clock.h"
 #include "folders.h"
 #include "foreign_model.h"
@@ -93,13 +94,20 @@ void write_out_mesh(const Config& config, BuiltCity built,
   if (config.coordinates == Coordinates::kAbsolute)
     mesh.placement = {{city.origin.x, city.origin.y, 0}, {0, 0, 0}};
   StepClock clock(hooks, report.steps);
+  PageMesh shown;
   clock.run("3.6", "write meshes", [&](const Progress& progress) {
-    write_mesh(config, mesh, city.buildings, out, progress);
+    // The disk, or the copying of what it is to have, keeps one thread busy at most.
+    parallel_in_order(config.no_html ? 1 : 2, [&](std::size_t job) {
+      if (job == 0)
+        write_mesh(config, mesh, city.buildings, out, progress);
+      else
+        shown = page_mesh(mesh.volume);
+    });
   });
   if (config.no_html) return;
   tell_process(report, out);
   clock.run("3.6", "write page", [&](const Progress&) {
-    write_page(config, city, mesh.volume, footprints, report, out);
+    write_page(config, city, shown, footprints, report, out);
   });
 }
 

@@ -43,7 +43,7 @@ std::vector<PageFootprint> page_footprints(const BuiltCity& built) {
   return footprints;
 }
 
-std::string page_of(const CityModel& city, const ColumnMesh* mesh,
+std::string page_of(const CityModel& city, const PageMesh* mesh,
                     std::span<const PageFootprint> footprints, Report report, std::string repeat) {
   std::map<std::string, std::int64_t> dropped;
   for (const Dropped& feature : city.dropped) ++dropped[feature.reason];
@@ -57,7 +57,7 @@ std::string page_of(const CityModel& city, const ColumnMesh* mesh,
                     .repeat = std::move(repeat)});
 }
 
-void write_page(const Config& config, const CityModel& city, const ColumnMesh& mesh,
+void write_page(const Config& config, const CityModel& city, const PageMesh& mesh,
                 std::span<const PageFootprint> footprints, Report report, OutputFolder& out) {
   std::string repeat = command_line(config, report.command);
   write_file(out.result(results::kPage),

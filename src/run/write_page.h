@@ -11,7 +11,6 @@
 #include "tetropolis/run/config.h"
 #include "tetropolis/run/output_folder.h"
 #include "tetropolis/run/report.h"
-#include "tetropolis/volume/column/column_mesh.h"
 
 namespace tetropolis {
 
@@ -20,11 +19,11 @@ namespace tetropolis {
 std::vector<PageFootprint> page_footprints(const BuiltCity& built);
 
 /// The page of a run. `mesh` may be nullptr. `repeat`: PageContents::repeat.
-std::string page_of(const CityModel& city, const ColumnMesh* mesh,
+std::string page_of(const CityModel& city, const PageMesh* mesh,
                     std::span<const PageFootprint> footprints, Report report, std::string repeat);
 
 /// Writes index.html. `report`: as it is so far.
-void write_page(const Config& config, const CityModel& city, const ColumnMesh& mesh,
+void write_page(const Config& config, const CityModel& city, const PageMesh& mesh,
                 std::span<const PageFootprint> footprints, Report report, OutputFolder& out);
 
 }  // namespace tetropolis

@@ -67,7 +67,7 @@ std::string shuffled(std::span<const std::int32_t> values) {
   return bytes;
 }
 
-/// Named blocks of bytes, compressed and written as one JSON object of texts.
+/// Named blocks of bytes, compressed and written as members of a JSON object, texts.
 class Payload {
  public:
   void add(const char* name, std::span<const std::int32_t> values) {
@@ -85,9 +85,9 @@ class Payload {
     });
     std::string text;
     for (const Block& block : blocks_)
-      text.append(text.empty() ? "{\"" : ",\n\"").append(block.name).append("\":\"") +=
+      text.append(text.empty() ? "\"" : ",\n\"").append(block.name).append("\":\"") +=
           block.bytes + '"';
-    return text + "}";
+    return text;
   }
 
  private:
@@ -157,9 +157,7 @@ Json footprints_json(std::span<const PageFootprint> footprints) {
   return list;
 }
 
-/// `shown`: what the page has of the mesh. `cells`: what there are.
-std::string facts_text(const PageContents& contents, const ColumnMesh* shown, std::int64_t cells,
-                       bool has_volume) {
+std::string facts_text(const PageContents& contents, const PageMesh& mesh) {
   const CityModel& city = contents.city;
   const Bounds2& domain = city.domain.bounds();
   const Json facts{{"version", kVersion},
@@ -167,11 +165,11 @@ std::string facts_text(const PageContents& contents, const ColumnMesh* shown, st
                    {"origin", {city.origin.x, city.origin.y}},
                    {"crs", city.crs},
                    {"domain", {domain.xmin, domain.ymin, domain.xmax, domain.ymax}},
-                   {"mesh", shown != nullptr},
-                   {"volume", has_volume},
-                   {"cells", cells},
-                   {"layers", has_volume ? shown->layers.count : 0},
-                   {"whole", has_volume && shown->layers.whole},
+                   {"mesh", mesh.is_shown},
+                   {"volume", mesh.has_volume},
+                   {"cells", mesh.cells},
+                   {"layers", mesh.layers},
+                   {"whole", mesh.is_whole},
                    {"buildings", buildings_json(city)},
                    {"footprints", footprints_json(contents.footprints)},
                    {"dropped", contents.dropped},
@@ -203,15 +201,27 @@ void add_columns(const ColumnMesh& mesh, bool floors_only, Payload& payload) {
 
 }  // namespace
 
-std::string page_html(const PageContents& contents, std::int64_t most_cells) {
-  const ColumnMesh* mesh = contents.mesh;
-  const std::int64_t cells =
-      mesh == nullptr ? 0 : cell_offsets(*mesh).back().value() + mesh->layers.cells();
-  if (mesh != nullptr && std::ssize(mesh->ground.triangles) > kMostPageTriangles) mesh = nullptr;
-  const bool has_volume = mesh != nullptr && cells <= most_cells;
+PageMesh page_mesh(const ColumnMesh& mesh, std::int64_t most_cells) {
+  PageMesh page;
+  page.cells = cell_offsets(mesh).back().value() + mesh.layers.cells();
+  page.is_shown = std::ssize(mesh.ground.triangles) <= kMostPageTriangles;
+  if (!page.is_shown) return page;
+  page.has_volume = page.cells <= most_cells;
+  if (page.has_volume) {
+    page.layers = mesh.layers.count;
+    page.is_whole = mesh.layers.whole;
+  }
   Payload payload;
-  payload.add("facts", facts_text(contents, mesh, cells, has_volume));
-  if (mesh != nullptr) add_columns(*mesh, !has_volume, payload);
+  add_columns(mesh, !page.has_volume, payload);
+  page.blocks = payload.text();
+  return page;
+}
+
+std::string page_html(const PageContents& contents) {
+  const PageMesh none;
+  const PageMesh& mesh = contents.mesh == nullptr ? none : *contents.mesh;
+  Payload payload;
+  payload.add("facts", facts_text(contents, mesh));
   PolygonWriter after, before;
   for (const Building& building : contents.city.buildings) after.add(building.footprint);
   for (const PageFootprint& footprint : contents.footprints) before.add(footprint.polygon);
@@ -223,7 +233,9 @@ std::string page_html(const PageContents& contents, std::int64_t most_cells) {
   const std::size_t data = page.find(data_mark), program = page.find(program_mark);
   payload.add("program", std::string(page.substr(program + program_mark.size())));
   std::string html(page.substr(0, data));
-  html += payload.text();
+  html.append("{").append(payload.text());
+  if (!mesh.blocks.empty()) html.append(",\n").append(mesh.blocks);
+  html += '}';
   return html.append(page.substr(data + data_mark.size(), program - data - data_mark.size()));
 }
 

@@ -72,35 +72,50 @@ class CellSums {
     if (corners_.is_full()) measure();
   }
   /// Those that are left.
-  void measure();
+  void measure() {
+    take_measured();
+    measure_tets(corners_, figures_);
+    measured_ = corners_.size();
+    corners_.clear();
+    take_measured();
+  }
+  /// Figures of up to FanRows::kMost cells may be written from there on, and are then taken.
+  std::size_t room_for_fan() {
+    if (measured_ + FanRows::kMost >= kRowStride) take_measured();
+    return measured_;
+  }
+  TetFigures& figures() { return figures_; }
+  void add_measured(std::size_t count) { measured_ += count; }
   void add_to(MeshQuality& quality, WorstCells& worst) const;
 
  private:
+  void take_measured();
+
   PointRows<4> corners_;
+  TetFigures figures_;
+  std::size_t measured_ = 0;
   QualityHistogram histogram_;
   FaultCounts faults_;
   WorstCells worst_;
   double volume_ = 0;
 };
 
-void CellSums::measure() {
+void CellSums::take_measured() {
   static const double good_least = std::cos(to_radians(good_by_all().least)) - kMargin;
   static const double good_greatest = std::cos(to_radians(good_by_all().greatest)) + kMargin;
-  TetFigures figures;
-  measure_tets(corners_, figures);
-  const std::size_t count = corners_.size();
+  const std::size_t count = std::exchange(measured_, 0);
   faults_.cells += static_cast<std::int64_t>(count);
   std::int64_t inverted = 0;
   double greatest = -1, least = 1, aspect = 0, volume = 0;
   for (std::size_t k = 0; k < count; ++k) {
-    const TetCosines shape{figures.volume[k], figures.greatest[k], figures.least[k],
-                           figures.aspect[k]};
+    const TetCosines shape{figures_.volume[k], figures_.greatest[k], figures_.least[k],
+                           figures_.aspect[k]};
     inverted += shape.volume > 0 ? 0 : 1;
     volume += shape.volume;
     greatest = std::max(greatest, shape.greatest);
     least = std::min(least, shape.least);
     aspect = std::max(aspect, shape.aspect_ratio);
-    figures.aspect[k] *= shape.aspect_ratio;
+    figures_.aspect[k] *= shape.aspect_ratio;
     const bool is_good = shape.greatest < good_least && shape.least > good_greatest;
     if (is_good && !worst_.may_take(shape)) continue;
     const double least_deg = angle_deg(shape.greatest), greatest_deg = angle_deg(shape.least);
@@ -109,13 +124,12 @@ void CellSums::measure() {
       faults_.outside[i] +=
           least_deg < kAskedBounds[i].least || greatest_deg > kAskedBounds[i].greatest ? 1 : 0;
     worst_.add({share_of_floor(least_deg, greatest_deg), least_deg, greatest_deg,
-                centre_of(corners_[k]), kNoTriangle, "change of size"});
+                figures_.centre(k), kNoTriangle, "change of size"});
   }
   volume_ += volume;
   histogram_.widen(greatest, least, aspect);
-  histogram_.add(std::span(figures.greatest).first(count), std::span(figures.aspect).first(count),
+  histogram_.add(std::span(figures_.greatest).first(count), std::span(figures_.aspect).first(count),
                  inverted);
-  corners_.clear();
 }
 
 void CellSums::add_to(MeshQuality& quality, WorstCells& worst) const {
@@ -143,16 +157,17 @@ class FaceSums {
   /// Those that are left.
   void measure() {
     std::array<double, kTetBatch> is_worse;
-    find_worse_faces(rows_, straight2_, skewness2_, is_worse);
+    find_worse_faces(rows_, limits_, is_worse);
     for (std::size_t k = 0; k < rows_.size(); ++k) {
       if (is_worse[k] == 0) continue;
       const auto [a, b, c, c0, c1] = rows_[k];
-      const FaceShape shape = face_shape({a, b, c}, c0, c1);
-      faces_.above_70 += shape.non_orthogonality_deg > kMostNonOrthogonal ? 1 : 0;
-      worsen({shape.non_orthogonality_deg, shape.skewness});
+      look_at({a, b, c}, c0, c1);
     }
     rows_.clear();
   }
+  const FaceLimits& limits() const { return limits_; }
+  /// Faces of which none is of interest.
+  void add_good(std::size_t count) { faces_.faces += static_cast<std::int64_t>(count); }
   void add_to(FaceQuality& quality) const {
     quality.faces += faces_.faces;
     quality.above_70 += faces_.above_70;
@@ -162,20 +177,24 @@ class FaceSums {
   }
 
  private:
+  void look_at(const std::array<Point3, 3>& face, const Point3& c0, const Point3& c1) {
+    const FaceShape shape = face_shape(face, c0, c1);
+    faces_.above_70 += shape.non_orthogonality_deg > kMostNonOrthogonal ? 1 : 0;
+    worsen(shape);
+  }
   void worsen(const FaceShape& shape) {
     FaceShape& worst = faces_.worst;
     worst.non_orthogonality_deg =
         std::max(worst.non_orthogonality_deg, shape.non_orthogonality_deg);
     worst.skewness = std::max(worst.skewness, shape.skewness);
     const double degrees = std::min(worst.non_orthogonality_deg, kMostNonOrthogonal);
-    straight2_ = std::pow(std::cos(to_radians(degrees)), 2) + kMargin;
-    skewness2_ = worst.skewness * worst.skewness * (1 - kMargin);
+    limits_ = {std::pow(std::cos(to_radians(degrees)), 2) + kMargin,
+               worst.skewness * worst.skewness * (1 - kMargin)};
   }
   PointRows<5> rows_;
   FaceQuality faces_;
-  // A face may be the worst, or about as far from orthogonal as is allowed, if it is not above the
-  // one or below the other.
-  double straight2_ = 2, skewness2_ = 0;
+  // Of those that may be the worst, or about as far from orthogonal as is allowed.
+  FaceLimits limits_;
 };
 
 /// Measures fans: their cells, and the faces below, between and on the boundary of these.
@@ -185,10 +204,10 @@ class FanSweep {
            FaceSums& faces)
       : mesh_(mesh), upper_(mesh.upper), tops_(tops), top_(top), cells_(cells), faces_(faces) {}
   void measure(std::size_t fan) {
-    if (upper_.fans[fan].up.valid())
-      measure_rise(fan);
+    if (upper_.fans[fan].up.valid() && is_closed(fan) && cells_of(fan) <= FanRows::kMost)
+      measure_whole(fan);
     else
-      measure_end(fan);
+      measure_in_parts(fan);
   }
 
  private:
@@ -200,8 +219,15 @@ class FanSweep {
     if (face[0][2] == top_ && face[1][2] == top_ && face[2][2] == top_)
       faces_.add_boundary(face, centre);
   }
-  void measure_rise(std::size_t f);
-  void measure_end(std::size_t f);
+  std::array<Point3, 3> points(const UpperTriangle& p) const { return {at(p[0]), at(p[1]), at(p[2])}; }
+  std::size_t cells_of(std::size_t f) const { return upper_.fans[f + 1].cell - upper_.fans[f].cell; }
+  /// Precondition: the fan goes up.
+  bool is_closed(std::size_t f) const {
+    return upper_.others[upper_.fans[f].other] == upper_.others[upper_.fans[f + 1].other - 1];
+  }
+  void measure_whole(std::size_t f);
+  void measure_in_parts(std::size_t f);
+  void measure_faces(std::size_t f);
 
   const ColumnMesh& mesh_;
   const UpperMesh& upper_;
@@ -209,52 +235,65 @@ class FanSweep {
   double top_;
   CellSums& cells_;
   FaceSums& faces_;
-  std::vector<Point3> around_, centres_;
+  FanRows rows_;
+  std::array<Point3, FanRows::kMost> around_;
 };
 
-void FanSweep::measure_rise(std::size_t f) {
-  const UpperFan &fan = upper_.fans[f], &next = upper_.fans[f + 1];
-  const std::size_t count = next.cell - fan.cell;
+/// Precondition: it goes up, is closed and fits.
+void FanSweep::measure_whole(std::size_t f) {
+  const UpperFan& fan = upper_.fans[f];
+  const std::size_t count = cells_of(f);
   const UpperPlace* const others = upper_.others.data() + fan.other;
   const Point3 node = at(fan.node), up = at(fan.up);
-  around_.clear();
-  centres_.clear();
-  for (std::size_t k = 0; k <= count; ++k) around_.push_back(at(others[k]));
+  rows_.start(count);
   for (std::size_t k = 0; k < count; ++k) {
-    const Point3 &a = around_[k], &b = around_[k + 1];
-    cells_.add({&node, &a, &b, &up});
-    centres_.push_back(centre_of({node, a, b, up}));
-    if (up[2] == top_) add_top({a, b, up}, centres_[k]);
+    around_[k] = at(others[k]);
+    rows_.set_point(k, around_[k]);
   }
+  std::size_t below = 0;
   for (std::size_t k = 0; k < count; ++k) {
-    const Point3 &a = around_[k], &b = around_[k + 1];
-    if (k + 1 < count) faces_.add({&node, &up, &b}, centres_[k], centres_[k + 1]);
     const FanCell found = tops_.find({fan.node, others[k], others[k + 1]});
-    if (!found.is_found()) continue;
-    const std::array<Point3, 4> below = corners(upper_.cell(found.fan, found.cell));
-    if (fan.cell + k < found.cell)
-      faces_.add({&node, &b, &a}, centres_[k], centre_of(below));
-    else
-      faces_.add({&below[1], &below[2], &below[3]}, centre_of(below), centres_[k]);
+    if (found.is_found()) {
+      const Point3 centre = centre_of(corners(upper_.cell(found.fan, found.cell)));
+      rows_.set_below(k, &centre);
+      ++below;
+    } else {
+      rows_.set_below(k, nullptr);
+    }
   }
-  if (others[0] == others[count]) {
-    faces_.add({&node, &around_[0], &up}, centres_[0], centres_[count - 1]);
-  } else {  // Columns at the rim do not end.
-    faces_.add_boundary({node, around_[0], up}, centres_[0]);
-    faces_.add_boundary({node, up, around_[count]}, centres_[count - 1]);
-  }
+  const std::size_t begin = cells_.room_for_fan();
+  const bool is_worse =
+      rows_.measure(node, up[2], faces_.limits(), cells_.figures(), begin);
+  cells_.add_measured(count);
+  if (up[2] == top_)
+    for (std::size_t k = 0; k < count; ++k)
+      add_top({around_[k], around_[k + 1 < count ? k + 1 : 0], up},
+              cells_.figures().centre(begin + k));
+  if (is_worse)
+    measure_faces(f);
+  else
+    faces_.add_good(count + below);
 }
 
-void FanSweep::measure_end(std::size_t f) {
-  const auto points = [&](const UpperTriangle& p) {
-    return std::array<Point3, 3>{at(p[0]), at(p[1]), at(p[2])};
-  };
-  for (std::size_t c = upper_.fans[f].cell; c < upper_.fans[f + 1].cell; ++c) {
+void FanSweep::measure_in_parts(std::size_t f) {
+  const std::size_t first = upper_.fans[f].cell, end = upper_.fans[f + 1].cell;
+  for (std::size_t c = first; c < end; ++c) {
     const UpperMesh::Cell cell = upper_.cell(f, c);
     const std::array<Point3, 4> p = corners(cell);
     cells_.add({&p[0], &p[1], &p[2], &p[3]});
     add_top(points(fan_face(cell, FanFace::kTop)), centre_of(p));
   }
+  measure_faces(f);
+  if (!upper_.fans[f].up.valid() || is_closed(f)) return;
+  // Columns at the rim do not end.
+  for (const auto& [c, face] : {std::pair(first, FanFace::kBefore), {end - 1, FanFace::kAfter}}) {
+    const UpperMesh::Cell cell = upper_.cell(f, c);
+    faces_.add_boundary(points(fan_face(cell, face)), centre_of(corners(cell)));
+  }
+}
+
+/// Those below and between its cells.
+void FanSweep::measure_faces(std::size_t f) {
   visit_faces_of(upper_, tops_, f, [&](const InnerFace& face) {
     const std::array<Point3, 3> p = points(face.places);
     faces_.add({&p[0], &p[1], &p[2]}, centre_of(corners(face.corners[0])),

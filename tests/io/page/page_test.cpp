@@ -98,9 +98,10 @@ struct Case {
 
 TEST(Page, HoldsTheMeshAndTheCity) {
   const Case c;
+  const PageMesh shown = page_mesh(c.mesh);
   const PageFootprint dropped{"x1", testing::rectangle(1, 1, 2, 2), kNoBuilding, "too small"};
   const Page page(page_html({.city = c.city,
-                             .mesh = &c.mesh,
+                             .mesh = &shown,
                              .footprints = {&dropped, 1},
                              .dropped = {{"too small", 1}},
                              .report = R"({"version": "1"})",
@@ -136,7 +137,8 @@ TEST(Page, HoldsPrisms) {
   for (const bool whole : {false, true}) {
     const ColumnMesh mesh = whole ? testing::city_of_prisms(small, 8, heights).mesh
                                   : testing::prism_city(small, 8, heights).mesh;
-    const Page page(page_html({.city = city, .mesh = &mesh}));
+    const PageMesh shown = page_mesh(mesh);
+    const Page page(page_html({.city = city, .mesh = &shown}));
     EXPECT_EQ(page.facts()["cells"], cell_offsets(mesh).back().value() + mesh.layers.cells());
     EXPECT_EQ(page.facts()["layers"], 4);
     EXPECT_EQ(page.facts()["whole"], whole);
@@ -163,9 +165,9 @@ TEST(Page, HoldsPrisms) {
 TEST(Page, LeavesOutTheVolumeBeyondItsBudget) {
   const Case c;
   const std::int64_t cells = cell_offsets(c.mesh).back().value();
-  const PageContents contents{.city = c.city, .mesh = &c.mesh};
-  EXPECT_EQ(Page(page_html(contents, cells)).facts()["volume"], true);
-  const Page page(page_html(contents, cells - 1));
+  const PageMesh within = page_mesh(c.mesh, cells), beyond = page_mesh(c.mesh, cells - 1);
+  EXPECT_EQ(Page(page_html({.city = c.city, .mesh = &within})).facts()["volume"], true);
+  const Page page(page_html({.city = c.city, .mesh = &beyond}));
   EXPECT_EQ(page.facts()["volume"], false);
   EXPECT_EQ(page.facts()["cells"], cells);
   // A node for each different floor of each vertex is left.
@@ -216,7 +218,8 @@ TEST(Page, IsTheSameForAnyNumberOfThreads) {
   std::string first;
   for (const int threads : {1, 4}) {
     const ThreadLimit limit(threads);
-    const std::string html = page_html({.city = c.city, .mesh = &c.mesh});
+    const PageMesh shown = page_mesh(c.mesh);
+    const std::string html = page_html({.city = c.city, .mesh = &shown});
     if (first.empty()) first = html;
     EXPECT_EQ(html, first);
   }
@@ -225,7 +228,8 @@ TEST(Page, IsTheSameForAnyNumberOfThreads) {
 /// Whatever stands in the city, the page's own elements are those of the template.
 TEST(Page, IsOneDocument) {
   const Case c;
-  const std::string html = page_html({.city = c.city, .mesh = &c.mesh, .repeat = "</script>"});
+  const PageMesh shown = page_mesh(c.mesh);
+  const std::string html = page_html({.city = c.city, .mesh = &shown, .repeat = "</script>"});
   EXPECT_TRUE(html.starts_with("<!doctype html>"));
   EXPECT_TRUE(html.ends_with("</html>\n"));
   EXPECT_EQ(html.find("@@"), std::string::npos);
