@@ -106,9 +106,8 @@ void write_out_mesh(const Config& config, BuiltCity built,
   });
   if (config.no_html) return;
   tell_process(report, out);
-  clock.run("3.6", "write page", [&](const Progress&) {
-    write_page(config, city, shown, footprints, report, out);
-  });
+  clock.run("3.6", "write page",
+            [&](const Progress&) { write_page(config, city, shown, footprints, report, out); });
 }
 
 /// Before anything is read: a model that has to be simplified gets a city model and a terrain of

@@ -216,7 +216,9 @@ void SplitWriter::find_ring() {
   for (const auto& [a, b] : edges_)
     if (!has_edge(b, a)) ring_.push_back(a);
   std::iter_swap(ring_.begin(), std::min_element(ring_.begin(), ring_.end()));
-  const auto is_next = [&](VertexIndex a, VertexIndex b) { return has_edge(a, b) && !has_edge(b, a); };
+  const auto is_next = [&](VertexIndex a, VertexIndex b) {
+    return has_edge(a, b) && !has_edge(b, a);
+  };
   for (std::size_t i = 1; i < ring_.size(); ++i)
     for (std::size_t j = i; j < ring_.size(); ++j)
       if (is_next(ring_[i - 1], ring_[j])) {

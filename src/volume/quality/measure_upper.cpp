@@ -219,8 +219,12 @@ class FanSweep {
     if (face[0][2] == top_ && face[1][2] == top_ && face[2][2] == top_)
       faces_.add_boundary(face, centre);
   }
-  std::array<Point3, 3> points(const UpperTriangle& p) const { return {at(p[0]), at(p[1]), at(p[2])}; }
-  std::size_t cells_of(std::size_t f) const { return upper_.fans[f + 1].cell - upper_.fans[f].cell; }
+  std::array<Point3, 3> points(const UpperTriangle& p) const {
+    return {at(p[0]), at(p[1]), at(p[2])};
+  }
+  std::size_t cells_of(std::size_t f) const {
+    return upper_.fans[f + 1].cell - upper_.fans[f].cell;
+  }
   /// Precondition: the fan goes up.
   bool is_closed(std::size_t f) const {
     return upper_.others[upper_.fans[f].other] == upper_.others[upper_.fans[f + 1].other - 1];
@@ -262,8 +266,7 @@ void FanSweep::measure_whole(std::size_t f) {
     }
   }
   const std::size_t begin = cells_.room_for_fan();
-  const bool is_worse =
-      rows_.measure(node, up[2], faces_.limits(), cells_.figures(), begin);
+  const bool is_worse = rows_.measure(node, up[2], faces_.limits(), cells_.figures(), begin);
   cells_.add_measured(count);
   if (up[2] == top_)
     for (std::size_t k = 0; k < count; ++k)

@@ -101,9 +101,8 @@ TETROPOLIS_WIDE void measure_fan(std::size_t count, std::size_t stride,
     centres[k] = c.x;
     centres[kRowStride + k] = c.y;
     centres[2 * kRowStride + k] = c.z;
-    is_worse[k] =
-        worse(node, b, a, c, row_point(below, stride, k), straight2, skewness2) *
-        below[3 * stride + k];
+    is_worse[k] = worse(node, b, a, c, row_point(below, stride, k), straight2, skewness2) *
+                  below[3 * stride + k];
   }
 }
 
@@ -115,15 +114,15 @@ TETROPOLIS_WIDE void find_worse_between(std::size_t count, std::size_t stride,
                                         double* __restrict is_worse) {
   const Vector up{node.x, node.y, up_z};
   for (std::size_t k = 0; k < count; ++k)
-    is_worse[k] += worse(node, up, row_point(ring, stride, k + 1),
-                         row_point(centres, kRowStride, k), row_point(centres, kRowStride, k + 1),
-                         straight2, skewness2);
+    is_worse[k] +=
+        worse(node, up, row_point(ring, stride, k + 1), row_point(centres, kRowStride, k),
+              row_point(centres, kRowStride, k + 1), straight2, skewness2);
 }
 
 }  // namespace
 
-bool FanRows::measure(const Point3& node, double up, const FaceLimits& limits,
-                      TetFigures& figures, std::size_t begin) {
+bool FanRows::measure(const Point3& node, double up, const FaceLimits& limits, TetFigures& figures,
+                      std::size_t begin) {
   // Vectors of four are filled up with the first cells again.
   const std::size_t count = (cells_ + 3) / 4 * 4;
   for (std::size_t row = 0; row < kRows; ++row)

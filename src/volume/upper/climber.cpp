@@ -203,8 +203,8 @@ bool Climber::end(VertexIndex v, double least_share, double least_angle) {
   const double longest = longest_edge(v), tangent = std::tan(to_radians(least_angle));
   for (std::size_t i = 0; i < n; ++i) ring[i] = at(star_[i].vertex);
   std::array<double, kMost * kMost> best;
-  best.fill(kInfinity);
-  std::array<std::size_t, kMost * kMost> split{};
+  std::fill_n(best.begin(), n * n, kInfinity);
+  std::array<std::size_t, kMost * kMost> split;  // where `best` is found
   for (std::size_t span = 2; span < n; ++span)
     for (std::size_t i = 0; i + span < n; ++i) {
       const std::size_t j = i + span;
@@ -215,7 +215,8 @@ bool Climber::end(VertexIndex v, double least_share, double least_angle) {
         const Point3 &a = ring[i], &b = ring[k], &c = ring[j];
         if (!is_wide(a, b, c, tangent)) continue;
         const bool is_new = i > 0 || j + 1 < n;
-        if (is_new && std::hypot(a[0] - c[0], a[1] - c[1]) > longest) continue;
+        const double dx = a[0] - c[0], dy = a[1] - c[1];
+        if (is_new && dx * dx + dy * dy > longest * longest) continue;
         Worst cell;  // under the triangle
         cell.add(o, a, b, c);
         q = std::min(q, cell.share());

@@ -60,10 +60,11 @@ void start_column(const ColumnMesh& mesh, VertexIndex v, Front& front,
   own.at = position(mesh, v, mesh.top(v));
   own.lid = own.at[2];
   triangles.clear();
+  double longest2 = 0;
   const auto add = [&](EdgeIndex e) {
     const auto [a, b] = mesh.edges.vertices[e];
     const Point2 p = mesh.ground.vertices[a], q = mesh.ground.vertices[b];
-    own.edge = std::max(own.edge, std::hypot(q.x - p.x, q.y - p.y));
+    longest2 = std::max(longest2, (q.x - p.x) * (q.x - p.x) + (q.y - p.y) * (q.y - p.y));
     for (const TriangleIndex t : mesh.edges.triangles[e])
       if (t == kNoTriangle)
         own.stays = true;
@@ -72,6 +73,7 @@ void start_column(const ColumnMesh& mesh, VertexIndex v, Front& front,
   };
   for (const EdgeIndex e : mesh.edges.starting_at(v)) add(e);
   for (const EdgeIndex e : mesh.edges.ends[v]) add(e);
+  own.edge = std::sqrt(longest2);
   sort_once(triangles);
   std::vector<Neighbour>& around = front.around[v];
   around.clear();

@@ -73,9 +73,9 @@ TETROPOLIS_WIDE void measure_between(std::size_t count, std::size_t stride,
                                      double* __restrict straight) {
   const Vector up{p.x, p.y, to};
   for (std::size_t k = 0; k < count; ++k)
-    straight[k] = lanes::straightness(p, point(rows, stride, kA, k), up,
-                                      point(rows, stride, kCentre, k),
-                                      point(rows, stride, kCentre, k + 1));
+    straight[k] =
+        lanes::straightness(p, point(rows, stride, kA, k), up, point(rows, stride, kCentre, k),
+                            point(rows, stride, kCentre, k + 1));
 }
 
 }  // namespace

@@ -33,12 +33,12 @@ inline constexpr double kPageTolerance = 0.002;
 
 /// A mesh as a page has it: most of its bytes, and most of the time that it takes.
 struct PageMesh {
-  std::int64_t cells = 0;        ///< That there are.
-  bool is_shown = false;         ///< Within kMostPageTriangles.
-  bool has_volume = false;       ///< Within `most_cells`, too.
-  std::int32_t layers = 0;       ///< Of prisms, if it has the volume.
-  bool is_whole = false;         ///< All of them are.
-  std::string blocks = {};       ///< Members of the page's object of data.
+  std::int64_t cells = 0;   ///< That there are.
+  bool is_shown = false;    ///< Within kMostPageTriangles.
+  bool has_volume = false;  ///< Within `most_cells`, too.
+  std::int32_t layers = 0;  ///< Of prisms, if it has the volume.
+  bool is_whole = false;    ///< All of them are.
+  std::string blocks = {};  ///< Members of the page's object of data.
 };
 
 /// `mesh`: local frame. The volume is stored as its columns, from which the page climbs
