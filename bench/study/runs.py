@@ -39,6 +39,7 @@ class Bench:
         out = self.scratch / "result"
         shutil.rmtree(out, ignore_errors=True)
         command = [str(self.program), *map(str, arguments), "--out", str(out), "--quiet"]
+        os.sync()  # What an earlier run has left to be written would slow this one down.
         begin = time.monotonic()
         process = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         wall = time.monotonic() - begin
@@ -126,6 +127,7 @@ class Bench:
         target = self.scratch / "dd"
         speeds = []
         for _ in range(turns or max(3, self.repeat)):
+            os.sync()
             begin = time.monotonic()
             subprocess.run(["dd", "if=/dev/zero", f"of={target}", "bs=1M", f"count={max(1, size >> 20)}",
                             *(["conv=fsync"] if sync else [])], check=True, stderr=subprocess.DEVNULL)

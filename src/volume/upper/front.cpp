@@ -10,7 +10,6 @@
 #include "climber.h"
 #include "core/infinity.h"
 #include "core/parallel.h"
-#include "core/sort_once.h"
 #include "geometry/vec3.h"
 #include "volume/column/upper_faces.h"
 
@@ -52,36 +51,35 @@ void order_around(VertexIndex v, const GroundMesh& ground, std::vector<Neighbour
     around.push_back({next(around.back()), kNoPiece});
 }
 
-/// Puts the column on the lid. `triangles`: room for those around it.
-void start_column(const ColumnMesh& mesh, VertexIndex v, Front& front,
-                  std::vector<TriangleIndex>& triangles) {
+/// Puts the column on the lid.
+void start_column(const ColumnMesh& mesh, VertexIndex v, Front& front) {
   FrontColumn& own = front.columns[v];
   own = {};
   own.at = position(mesh, v, mesh.top(v));
   own.lid = own.at[2];
-  triangles.clear();
+  std::vector<Neighbour>& around = front.around[v];
+  around.clear();
+  const auto edges_from = static_cast<std::size_t>(mesh.edges.starts[v + 1] - mesh.edges.starts[v]);
+  around.reserve(edges_from + mesh.edges.ends[v].size() + 1);
   double longest2 = 0;
   const auto add = [&](EdgeIndex e) {
     const auto [a, b] = mesh.edges.vertices[e];
     const Point2 p = mesh.ground.vertices[a], q = mesh.ground.vertices[b];
     longest2 = std::max(longest2, (q.x - p.x) * (q.x - p.x) + (q.y - p.y) * (q.y - p.y));
-    for (const TriangleIndex t : mesh.edges.triangles[e])
-      if (t == kNoTriangle)
+    for (const TriangleIndex t : mesh.edges.triangles[e]) {
+      if (t == kNoTriangle) {
         own.stays = true;
-      else
-        triangles.push_back(t);
+        continue;
+      }
+      // The triangle to the left of the edge.
+      const auto& c = mesh.ground.triangles[t];
+      const VertexIndex next = c[0] == v ? c[1] : c[1] == v ? c[2] : c[0];
+      if (next == (a == v ? b : a)) around.push_back({next, t.value()});
+    }
   };
   for (const EdgeIndex e : mesh.edges.starting_at(v)) add(e);
   for (const EdgeIndex e : mesh.edges.ends[v]) add(e);
   own.edge = std::sqrt(longest2);
-  sort_once(triangles);
-  std::vector<Neighbour>& around = front.around[v];
-  around.clear();
-  around.reserve(triangles.size() + 1);
-  for (const TriangleIndex t : triangles) {
-    const auto& c = mesh.ground.triangles[t];
-    around.push_back({c[0] == v ? c[1] : c[1] == v ? c[2] : c[0], t.value()});
-  }
   order_around(v, mesh.ground, around);
 }
 
@@ -156,9 +154,7 @@ FrontClimb::~FrontClimb() = default;
 void FrontClimb::start(std::span<const VertexIndex> columns, std::span<const double> shares) {
   front_->shares = shares;
   parallel_chunks(columns.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    std::vector<TriangleIndex> triangles;
-    for (const VertexIndex v : columns.subspan(begin, end - begin))
-      start_column(mesh_, v, *front_, triangles);
+    for (const VertexIndex v : columns.subspan(begin, end - begin)) start_column(mesh_, v, *front_);
   });
   parallel_chunks(columns.size(), 4096, [&](std::size_t begin, std::size_t end) {
     FrontSteps none;
@@ -219,9 +215,8 @@ std::optional<FrontSteps> FrontClimb::within(std::span<const VertexIndex> column
                                              std::span<const VertexIndex> others,
                                              const FrontRecord& record,
                                              std::span<const double> shares) {
-  std::vector<TriangleIndex> triangles;
   for (const VertexIndex v : others) {
-    start_column(mesh_, v, *front_, triangles);
+    start_column(mesh_, v, *front_);
     front_->around[v].clear();
   }
   for (const TriangleIndex t : triangles_around(mesh_.edges, columns))

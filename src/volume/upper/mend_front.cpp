@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -12,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/parallel.h"
 #include "core/sort_once.h"
 
 namespace tetropolis {
@@ -43,10 +45,12 @@ void for_each_beside(const ColumnMesh& mesh, VertexIndex v, const Visit& visit) 
   for (const EdgeIndex e : mesh.edges.ends[v]) visit(mesh.edges.vertices[e][0]);
 }
 
-template <typename Visit>
-void for_each_tile(const FrontPhases& phases, const Visit& visit) {
+/// Of all phases, one after the other.
+std::vector<const FrontSteps*> tiles_of(const FrontPhases& phases) {
+  std::vector<const FrontSteps*> all;
   for (const std::vector<FrontSteps>& tiles : phases)
-    for (const FrontSteps& tile : tiles) visit(tile);
+    for (const FrontSteps& tile : tiles) all.push_back(&tile);
+  return all;
 }
 
 constexpr std::int32_t kNoPart = -1;
@@ -89,25 +93,29 @@ std::vector<Part> parts_around(const ColumnMesh& mesh, std::span<const VertexInd
 /// Finds Part::others.
 void find_others(const FrontPhases& phases, const std::vector<std::int32_t>& part_of,
                  std::vector<Part>& parts) {
-  for_each_tile(phases, [&](const FrontSteps& tile) {
-    for_each_step(tile, [&](const FrontStep& step, std::span<const VertexIndex> others) {
+  const std::vector<const FrontSteps*> tiles = tiles_of(phases);
+  std::vector<std::vector<std::pair<std::int32_t, VertexIndex>>> found(tiles.size());
+  parallel_in_order(tiles.size(), [&](std::size_t i) {
+    for_each_step(*tiles[i], [&](const FrontStep& step, std::span<const VertexIndex> others) {
       const std::int32_t own = part_of[step.vertex];
       for (const VertexIndex u : others) {
         const std::int32_t other = part_of[u];
         if (own == other) continue;
-        if (own != kNoPart) parts[static_cast<std::size_t>(own)].others.push_back(u);
-        if (other != kNoPart) parts[static_cast<std::size_t>(other)].others.push_back(step.vertex);
+        if (own != kNoPart) found[i].emplace_back(own, u);
+        if (other != kNoPart) found[i].emplace_back(other, step.vertex);
       }
     });
+    sort_once(found[i]);
   });
+  for (const auto& in_tile : found)
+    for (const auto& [part, v] : in_tile) parts[static_cast<std::size_t>(part)].others.push_back(v);
   for (Part& part : parts) sort_once(part.others);
 }
 
 std::vector<VertexIndex> poor_of(const FrontPhases& phases) {
   std::vector<VertexIndex> poor;
-  for_each_tile(phases, [&](const FrontSteps& tile) {
-    poor.insert(poor.end(), tile.poor.begin(), tile.poor.end());
-  });
+  for (const FrontSteps* tile : tiles_of(phases))
+    poor.insert(poor.end(), tile->poor.begin(), tile->poor.end());
   return poor;
 }
 
@@ -214,12 +222,15 @@ bool Again::is_same(VertexIndex v, std::span<const FrontRecord::Step> before) co
 }
 
 bool Again::is_complete(const FrontPhases& phases) const {
-  bool is_complete = is_within_;
-  for_each_tile(phases, [&](const FrontSteps& tile) {
-    for_each_step(tile, [&](const FrontStep& step, std::span<const VertexIndex> others) {
+  const std::vector<const FrontSteps*> tiles = tiles_of(phases);
+  std::atomic<bool> is_complete = is_within_;
+  parallel_in_order(tiles.size(), [&](std::size_t i) {
+    bool is_same = true;
+    for_each_step(*tiles[i], [&](const FrontStep& step, std::span<const VertexIndex> others) {
       if ((*part_of_)[step.vertex] != kNoPart) return;
-      for (const VertexIndex u : others) is_complete = is_complete && differs_[u] == 0;
+      for (const VertexIndex u : others) is_same = is_same && differs_[u] == 0;
     });
+    if (!is_same) is_complete = false;
   });
   return is_complete;
 }
@@ -230,11 +241,13 @@ void Again::replace_in(FrontPhases& phases) const {
   };
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
   for (std::vector<FrontSteps>& tiles : phases)
-    for (FrontSteps& tile : tiles) {
+    // Those of a phase have no column in common.
+    parallel_in_order(tiles.size(), [&](std::size_t i) {
+      FrontSteps& tile = tiles[i];
       const bool is_touched =
           std::any_of(tile.steps.begin(), tile.steps.end(),
                       [&](const FrontStep& s) { return has_climbed(s.vertex); });
-      if (!is_touched) continue;
+      if (!is_touched) return;
       FrontSteps kept;
       for_each_step(tile, [&](const FrontStep& step, std::span<const VertexIndex> others) {
         const VertexIndex v = step.vertex;
@@ -253,7 +266,7 @@ void Again::replace_in(FrontPhases& phases) const {
       for (const CoveredTriangle& covered : tile.covered)
         if (!has_climbed(covered.vertex)) kept.covered.push_back(covered);
       tile = std::move(kept);
-    }
+    });
   std::vector<FrontSteps>& last = phases.emplace_back();
   for (const FrontSteps& part : *new_) {
     FrontSteps& own = last.emplace_back();
