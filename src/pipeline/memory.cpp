@@ -16,12 +16,12 @@ namespace tetropolis {
 namespace {
 
 // Measured: peak resident sizes of `mesh` on 0.4 to 100 million cells.
-constexpr double kProgram = 80e6;
+constexpr double kProgram = 85e6;
 constexpr double kPerTriangle = 600;
 constexpr double kPerCell = 2;
-/// Of a mesh with a lid. 1 to 8 are measured on 3 to 29 million; the rest is room, for below mesh
-/// sizes of 3 m there are half as many cells again as kLayersToLid tells.
-constexpr double kPerCellWithLid = 48;
+/// Of a mesh with a lid: measured on 0.5 to 360 million cells, with some room.
+constexpr double kPerTriangleWithLid = 450;
+constexpr double kPerCellWithLid = 12;
 /// Points while they are sorted into the terrain: besides its nodes 18 to 20 bytes on 12 and 6
 /// million, with classes and without, and some room.
 constexpr double kPerPoint = 26;
@@ -41,14 +41,18 @@ constexpr double kPerSolverNode = 100;
 constexpr double kEstimateError = 4.0 / 3;
 constexpr double kScalingError = 1.1;
 
-/// Cells over a triangle, a third of them, where fewer and fewer columns go on above a lid:
-/// measured on Delft and Amsterdam south, blocks and roof planes, at 3 to 20 m.
-constexpr double kLayersToLid = 9;
+/// Where fewer and fewer columns go on above a lid: a third of the cells over a triangle, and
+/// metres of air below the lid, which are divided as finely as the ground. 9 to 10 in all on Delft
+/// at 2 to 10 m, 9 to 20 on a random city at 10 to 1.8 m, whose buildings are up to 50 m high.
+constexpr double kLayersAboveLid = 7, kBelowLid = 12;
+/// Cells above the lid over a triangle: 9 to 13 of those from 5 m down to 2.
+constexpr double kCellsAboveLid = 13;
 
 double bytes_of(const MeshCityOptions& options, double triangles, double cells,
                 double terrain_nodes) {
-  double bytes = kProgram + 8 * terrain_nodes + kPerTriangle * triangles +
-                 (ends_at_lid(options) ? kPerCellWithLid : kPerCell) * cells;
+  double bytes = kProgram + 8 * terrain_nodes;
+  bytes += ends_at_lid(options) ? kPerTriangleWithLid * triangles + kPerCellWithLid * cells
+                                : kPerTriangle * triangles + kPerCell * cells;
   if (solves_laplace(options)) bytes += kPerSolverNode * cells / 6;
   return bytes;
 }
@@ -103,7 +107,7 @@ double layers_over(const MeshCityOptions& options, const CitySize& city, double 
   else if (options.layer_height > 0)
     spacing = std::min(spacing, options.layer_height);
   const double layers = std::max(1.0, city.height / spacing);
-  return ends_at_lid(options) ? std::min(layers, kLayersToLid) : layers;
+  return ends_at_lid(options) ? std::min(layers, kLayersAboveLid + kBelowLid / spacing) : layers;
 }
 
 /// The same where sizes differ by place. What has grown up to far_size scales with it; what still
@@ -156,6 +160,7 @@ void require_mesh_fits(const MeshCityOptions& options, const CitySize& city) {
 void require_cells_fit(const MeshCityOptions& options, const CitySize& city, double triangles,
                        double cells) {
   const double limit = options.max_bytes;
+  if (ends_at_lid(options)) cells += kCellsAboveLid * triangles;
   const double bytes = bytes_of(options, triangles, cells, city.terrain_nodes);
   if (bytes <= limit) return;
   const MeshEstimate estimate = estimate_mesh(options, city);

@@ -38,7 +38,7 @@ MeshEstimate estimate_mesh(const MeshCityOptions& options, const CitySize& city)
 /// a third too low, unless estimate_mesh is within options.max_bytes.
 void require_mesh_fits(const MeshCityOptions& options, const CitySize& city);
 
-/// The same for counts that are known by now.
+/// The same for counts that are known by now. `cells`: of columns, up to the lid if they end there.
 void require_cells_fit(const MeshCityOptions& options, const CitySize& city, double triangles,
                        double cells);
 
