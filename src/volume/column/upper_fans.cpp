@@ -12,7 +12,8 @@ CellsByTop::CellsByTop(const ColumnMesh& mesh)
       if (upper_.fans[f].up.valid()) continue;
       for (std::size_t c = upper_.fans[f].cell; c < upper_.fans[f + 1].cell; ++c) {
         const UpperTriangle top = fan_face(upper_.cell(f, c), FanFace::kTop);
-        visit(FanCell{f, c}, *std::max_element(top.begin(), top.end()));
+        visit(FanCell{static_cast<std::uint32_t>(f), static_cast<std::uint32_t>(c)},
+              *std::max_element(top.begin(), top.end()));
       }
     }
   };

@@ -31,12 +31,12 @@ inline UpperTriangle turned(const UpperTriangle& p, std::size_t by) {
 
 /// Not a std::optional of these, which compilers copy badly.
 struct FanCell {
-  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-  std::size_t fan = kNone, cell = 0;
+  static constexpr std::uint32_t kNone = 0xffffffff;
+  std::uint32_t fan = kNone, cell = 0;
   bool is_found() const { return fan != kNone; }
 };
 
-/// Finds cells by their tops. Takes 2 bytes per cell.
+/// Finds cells by their tops. Takes a byte per cell, about.
 class CellsByTop {
  public:
   explicit CellsByTop(const ColumnMesh& mesh);
@@ -57,10 +57,10 @@ class CellsByTop {
  private:
   /// Of the fan that goes up to the first corner.
   FanCell find_below(const UpperTriangle& top) const {
-    const std::size_t f = fan_to_[top[0] - columns_];
+    const std::uint32_t f = fan_to_[top[0] - columns_];
     const UpperFan &fan = upper_.fans[f], &next = upper_.fans[f + 1];
     const UpperPlace* const other = upper_.others.data() + fan.other;
-    for (std::size_t k = 0; k < next.cell - fan.cell; ++k)
+    for (std::uint32_t k = 0; k < next.cell - fan.cell; ++k)
       if (other[k] == top[1] && other[k + 1] == top[2]) return {f, fan.cell + k};
     return {};
   }
@@ -85,9 +85,9 @@ void visit_faces_of(const UpperMesh& upper, const CellsByTop& tops, std::size_t 
     if (!found.is_found()) return;
     const Cell other = upper.cell(found.fan, found.cell);
     if (c < found.cell)
-      visit(InnerFace{{c, found.cell}, {cell, other}, bottom});
+      visit(InnerFace{{c, std::size_t{found.cell}}, {cell, other}, bottom});
     else
-      visit(InnerFace{{found.cell, c}, {other, cell}, fan_face(other, FanFace::kTop)});
+      visit(InnerFace{{std::size_t{found.cell}, c}, {other, cell}, fan_face(other, FanFace::kTop)});
   };
   const auto between = [&](std::size_t c, std::size_t d, FanFace face) {
     const Cell cell = upper.cell(f, c);
