@@ -15,7 +15,7 @@ using namespace tetropolis::fuzz;
 
 /// What the header says must not contradict itself.
 void claim_info(const LasInfo& info) {
-  claim(info.version_major == 1 && info.version_minor >= 0 && info.version_minor <= 4, "version");
+  claim(info.version_major == 1 && info.version_minor >= 0 && info.version_minor <= 5, "version");
   claim(info.point_format >= 0 && info.point_format <= 10, "point format");
   claim(info.record_length >= 20, "record length");
   claim(info.point_count >= 0, "point count");

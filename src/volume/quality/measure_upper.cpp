@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -161,7 +162,9 @@ class FaceSums {
     for (std::size_t k = 0; k < rows_.size(); ++k) {
       if (is_worse[k] == 0) continue;
       const auto [a, b, c, c0, c1] = rows_[k];
-      look_at({a, b, c}, c0, c1);
+      const FaceShape shape = face_shape({a, b, c}, c0, c1);
+      faces_.above_70 += shape.non_orthogonality_deg > kMostNonOrthogonal ? 1 : 0;
+      worsen(shape);
     }
     rows_.clear();
   }
@@ -177,11 +180,6 @@ class FaceSums {
   }
 
  private:
-  void look_at(const std::array<Point3, 3>& face, const Point3& c0, const Point3& c1) {
-    const FaceShape shape = face_shape(face, c0, c1);
-    faces_.above_70 += shape.non_orthogonality_deg > kMostNonOrthogonal ? 1 : 0;
-    worsen(shape);
-  }
   void worsen(const FaceShape& shape) {
     FaceShape& worst = faces_.worst;
     worst.non_orthogonality_deg =
@@ -240,7 +238,6 @@ class FanSweep {
   CellSums& cells_;
   FaceSums& faces_;
   FanRows rows_;
-  std::array<Point3, FanRows::kMost> around_;
 };
 
 /// Precondition: it goes up, is closed and fits.
@@ -250,10 +247,7 @@ void FanSweep::measure_whole(std::size_t f) {
   const UpperPlace* const others = upper_.others.data() + fan.other;
   const Point3 node = at(fan.node), up = at(fan.up);
   rows_.start(count);
-  for (std::size_t k = 0; k < count; ++k) {
-    around_[k] = at(others[k]);
-    rows_.set_point(k, around_[k]);
-  }
+  for (std::size_t k = 0; k < count; ++k) rows_.set_point(k, at(others[k]));
   std::size_t below = 0;
   for (std::size_t k = 0; k < count; ++k) {
     const FanCell found = tops_.find({fan.node, others[k], others[k + 1]});
@@ -270,8 +264,7 @@ void FanSweep::measure_whole(std::size_t f) {
   cells_.add_measured(count);
   if (up[2] == top_)
     for (std::size_t k = 0; k < count; ++k)
-      add_top({around_[k], around_[k + 1 < count ? k + 1 : 0], up},
-              cells_.figures().centre(begin + k));
+      add_top({at(others[k]), at(others[k + 1]), up}, cells_.figures().centre(begin + k));
   if (is_worse)
     measure_faces(f);
   else

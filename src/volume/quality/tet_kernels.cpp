@@ -15,9 +15,8 @@ using lanes::dot;
 using lanes::greater;
 using lanes::Vector;
 
-TETROPOLIS_INLINE Vector point(const double* rows, std::size_t i, std::size_t k) {
-  return {rows[3 * i * kRowStride + k], rows[(3 * i + 1) * kRowStride + k],
-          rows[(3 * i + 2) * kRowStride + k]};
+TETROPOLIS_INLINE Vector corner(const double* rows, std::size_t i, std::size_t k) {
+  return lanes::point(rows + 3 * i * kRowStride, kRowStride, k);
 }
 
 TETROPOLIS_INLINE double aspect_of(const lanes::Tet& tet, Vector p0, Vector p1, Vector p2,
@@ -56,8 +55,8 @@ TETROPOLIS_WIDE void measure_tets(std::size_t count, const double* __restrict p,
                                   double* __restrict x, double* __restrict y,
                                   double* __restrict z) {
   for (std::size_t k = 0; k < count; ++k) {
-    const Vector p0 = point(p, 0, k), p1 = point(p, 1, k), p2 = point(p, 2, k);
-    const Vector p3 = point(p, 3, k);
+    const Vector p0 = corner(p, 0, k), p1 = corner(p, 1, k), p2 = corner(p, 2, k);
+    const Vector p3 = corner(p, 3, k);
     const lanes::Tet tet = lanes::measure_tet(p0, p1, p2, p3);
     const Vector centre = lanes::centre_of(p0, p1, p2, p3);
     greatest[k] = tet.greatest;
@@ -74,12 +73,8 @@ TETROPOLIS_WIDE void find_worse_faces(std::size_t count, const double* __restric
                                       double straight2, double skewness2,
                                       double* __restrict is_worse) {
   for (std::size_t k = 0; k < count; ++k)
-    is_worse[k] = worse(point(p, 0, k), point(p, 1, k), point(p, 2, k), point(p, 3, k),
-                        point(p, 4, k), straight2, skewness2);
-}
-
-TETROPOLIS_INLINE Vector row_point(const double* rows, std::size_t stride, std::size_t k) {
-  return {rows[k], rows[stride + k], rows[2 * stride + k]};
+    is_worse[k] = worse(corner(p, 0, k), corner(p, 1, k), corner(p, 2, k), corner(p, 3, k),
+                        corner(p, 4, k), straight2, skewness2);
 }
 
 /// `below` is followed by a row that tells where it is valid.
@@ -91,7 +86,7 @@ TETROPOLIS_WIDE void measure_fan(std::size_t count, std::size_t stride,
                                  double* __restrict centres, double* __restrict is_worse) {
   const Vector up{node.x, node.y, up_z};
   for (std::size_t k = 0; k < count; ++k) {
-    const Vector a = row_point(ring, stride, k), b = row_point(ring, stride, k + 1);
+    const Vector a = lanes::point(ring, stride, k), b = lanes::point(ring, stride, k + 1);
     const lanes::Tet tet = lanes::measure_tet(node, a, b, up);
     const Vector c = lanes::centre_of(node, a, b, up);
     greatest[k] = tet.greatest;
@@ -101,7 +96,7 @@ TETROPOLIS_WIDE void measure_fan(std::size_t count, std::size_t stride,
     centres[k] = c.x;
     centres[kRowStride + k] = c.y;
     centres[2 * kRowStride + k] = c.z;
-    is_worse[k] = worse(node, b, a, c, row_point(below, stride, k), straight2, skewness2) *
+    is_worse[k] = worse(node, b, a, c, lanes::point(below, stride, k), straight2, skewness2) *
                   below[3 * stride + k];
   }
 }
@@ -115,16 +110,16 @@ TETROPOLIS_WIDE void find_worse_between(std::size_t count, std::size_t stride,
   const Vector up{node.x, node.y, up_z};
   for (std::size_t k = 0; k < count; ++k)
     is_worse[k] +=
-        worse(node, up, row_point(ring, stride, k + 1), row_point(centres, kRowStride, k),
-              row_point(centres, kRowStride, k + 1), straight2, skewness2);
+        worse(node, up, lanes::point(ring, stride, k + 1), lanes::point(centres, kRowStride, k),
+              lanes::point(centres, kRowStride, k + 1), straight2, skewness2);
 }
 
 }  // namespace
 
 bool FanRows::measure(const Point3& node, double up, const FaceLimits& limits, TetFigures& figures,
                       std::size_t begin) {
-  // Vectors of four are filled up with the first cells again.
-  const std::size_t count = (cells_ + 3) / 4 * 4;
+  // With the first cells again.
+  const std::size_t count = lanes::filled_up(cells_);
   for (std::size_t row = 0; row < kRows; ++row)
     for (std::size_t k = cells_; k <= count; ++k) at(row, k) = at(row, k - cells_);
   const Vector p{node[0], node[1], node[2]};

@@ -12,10 +12,20 @@ namespace tetropolis::lanes {
 TETROPOLIS_INLINE double greater(double a, double b) { return a < b ? b : a; }
 TETROPOLIS_INLINE double lesser(double a, double b) { return b < a ? b : a; }
 
+/// Rows are filled up to whole vectors of so many.
+inline constexpr std::size_t kWidth = 4;
+constexpr std::size_t filled_up(std::size_t count) {
+  return (count + kWidth - 1) / kWidth * kWidth;
+}
+
 // Not arrays: loops over these would not become vectors.
 struct Vector {
   double x, y, z;
 };
+/// Point k of three rows, `stride` apart.
+TETROPOLIS_INLINE Vector point(const double* rows, std::size_t stride, std::size_t k) {
+  return {rows[k], rows[stride + k], rows[2 * stride + k]};
+}
 TETROPOLIS_INLINE Vector operator-(Vector a, Vector b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 TETROPOLIS_INLINE Vector cross(Vector a, Vector b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};

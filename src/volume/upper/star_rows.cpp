@@ -12,9 +12,6 @@ namespace {
 
 using lanes::Vector;
 
-/// Of a vector; rows are filled up to a multiple with copies of their last entry.
-constexpr std::size_t kLanes = 4;
-
 /// The rows, of coordinates the first of three.
 enum Row : std::size_t {
   kA = 0,
@@ -27,11 +24,6 @@ enum Row : std::size_t {
   kBetween,
   kRows
 };
-
-TETROPOLIS_INLINE Vector point(const double* rows, std::size_t stride, std::size_t row,
-                               std::size_t k) {
-  return {rows[row * stride + k], rows[(row + 1) * stride + k], rows[(row + 2) * stride + k]};
-}
 
 TETROPOLIS_WIDE void measure_sizes(std::size_t count, std::size_t stride,
                                    const double* __restrict rows, double x, double y,
@@ -55,7 +47,8 @@ TETROPOLIS_WIDE void measure_cells(std::size_t count, std::size_t stride,
                                    double* __restrict greatest, double* __restrict straight) {
   const Vector up{p.x, p.y, to};
   for (std::size_t k = 0; k < count; ++k) {
-    const Vector a = point(rows, stride, kA, k), b = point(rows, stride, kB, k);
+    const Vector a = lanes::point(rows + kA * stride, stride, k),
+                 b = lanes::point(rows + kB * stride, stride, k);
     const lanes::Tet tet = lanes::measure_tet(p, a, b, up);
     const Vector c = lanes::centre_of(p, a, b, up);
     centre[k] = c.x;
@@ -63,7 +56,7 @@ TETROPOLIS_WIDE void measure_cells(std::size_t count, std::size_t stride,
     centre[2 * stride + k] = c.z;
     least[k] = tet.six_volumes / 6 > 0 ? 1 - tet.greatest : 0;
     greatest[k] = 1 + tet.least;
-    straight[k] = lanes::straightness(p, a, b, point(rows, stride, kBelow, k), c);
+    straight[k] = lanes::straightness(p, a, b, lanes::point(rows + kBelow * stride, stride, k), c);
   }
 }
 
@@ -73,16 +66,16 @@ TETROPOLIS_WIDE void measure_between(std::size_t count, std::size_t stride,
                                      double* __restrict straight) {
   const Vector up{p.x, p.y, to};
   for (std::size_t k = 0; k < count; ++k)
-    straight[k] =
-        lanes::straightness(p, point(rows, stride, kA, k), up, point(rows, stride, kCentre, k),
-                            point(rows, stride, kCentre, k + 1));
+    straight[k] = lanes::straightness(p, lanes::point(rows + kA * stride, stride, k), up,
+                                      lanes::point(rows + kCentre * stride, stride, k),
+                                      lanes::point(rows + kCentre * stride, stride, k + 1));
 }
 
 }  // namespace
 
 void StarRows::start(std::size_t count) {
   count_ = count;
-  lanes_ = (count + kLanes - 1) / kLanes * kLanes;
+  lanes_ = lanes::filled_up(count);
   if (lanes_ + 1 > stride_) {
     stride_ = lanes_ + 1;
     rows_.resize(kRows * stride_);
