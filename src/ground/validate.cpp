@@ -11,6 +11,7 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include "core/infinity.h"
+#include "core/parallel.h"
 #include "core/units.h"
 #include "edge_table.h"
 #include "geometry/predicates.h"
@@ -353,21 +354,27 @@ Violations validate(const PlanarGraph& graph, const RefineOptions& options,
 }
 
 AngleStatistics angle_statistics(std::span<const Point2> points, TriangleSpan triangles) {
-  AngleStatistics result;
-  if (triangles.empty()) return result;
-  result.min_deg = 180;
-  for (const auto& v : triangles) {
-    const auto p = corners(points, v);
-    double smallest = 180;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const double angle = to_degrees(angle_between(p[i], p[(i + 1) % 3], p[(i + 2) % 3]));
-      smallest = std::min(smallest, angle);
-    }
-    result.min_deg = std::min(result.min_deg, smallest);
-    result.mean_min_deg += smallest;
-  }
-  result.mean_min_deg /= static_cast<double>(triangles.size());
-  return result;
+  if (triangles.empty()) return {};
+  AngleStatistics all = parallel_reduce_ordered(
+      triangles.size(), 4096, AngleStatistics{180, 0},
+      [&](std::size_t begin, std::size_t end) {
+        AngleStatistics some{180, 0};
+        for (const auto& v : triangles.subspan(begin, end - begin)) {
+          const auto p = corners(points, v);
+          double smallest = 180;
+          for (std::size_t i = 0; i < 3; ++i)
+            smallest =
+                std::min(smallest, to_degrees(angle_between(p[i], p[(i + 1) % 3], p[(i + 2) % 3])));
+          some.min_deg = std::min(some.min_deg, smallest);
+          some.mean_min_deg += smallest;
+        }
+        return some;
+      },
+      [](const AngleStatistics& a, const AngleStatistics& b) {
+        return AngleStatistics{std::min(a.min_deg, b.min_deg), a.mean_min_deg + b.mean_min_deg};
+      });
+  all.mean_min_deg /= static_cast<double>(triangles.size());
+  return all;
 }
 
 }  // namespace tetropolis

@@ -406,6 +406,7 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
     result.volume_facts.min_vertical_gap = improved.min_vertical_gap;
     quality = std::move(improved.quality);
   }
+  terrain = {};  // as large as some meshes
   for (const VertexIndex v : columns.plan.eased) {
     const Point2 p = columns.mesh.ground.vertices[v];
     excavated.toes.push_back({p.x, p.y, columns.plan.ground[v]});

@@ -28,8 +28,10 @@ template <typename Field>
 void fields_of(StepTime& step, const Field& field) {
   field("id", step.id, "text", "number of the step; `0.1` and `0.2` in `synth`");
   field("name", step.name, "text", "part of the step");
-  field("seconds", step.seconds, "number, s", "wall time");
-  field("cpu_seconds", step.cpu_seconds, "number, s", "CPU time of all threads");
+  field("seconds", step.seconds, "number, s",
+        "wall time; step 2.4 of `build` runs beside the next ones on two threads or more");
+  field("cpu_seconds", step.cpu_seconds, "number, s",
+        "CPU time of all threads, with that of steps beside it");
   field("peak_rss_bytes", step.peak_rss_bytes, "integer, bytes",
         "largest resident memory of the run until the step's end");
 }

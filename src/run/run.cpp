@@ -60,39 +60,65 @@ std::string relative_to_results(const Config& config, const std::string& source)
   return real_path(source).lexically_relative(real_path(config.out)).string();
 }
 
-/// Steps 1.1 to 2.4: reads the input, writes city models and terrain.
-/// Fills `footprints` if there is to be a page.
-BuiltCity write_out_city(const Config& config, Next next, const RunHooks& hooks, OutputFolder& out,
-                         Report& report, std::vector<PageFootprint>& footprints) {
+/// Steps 1.1 to 2.3. Writes the terrain.
+BuiltCity make_out_city(const Config& config, Next next, const RunHooks& hooks, OutputFolder& out,
+                        Report& report) {
   const bool canopies = next == Next::kMesh && !config.canopies.empty();
   BuiltCity built = make_city(config, next, {}, hooks, report, canopies);
-  StepClock clock(hooks, report.steps);
-  const CityModel& raw = built.raw;
-  clock.run("1.7", "write city model", [&](const Progress&) {
-    write_raster(out.result(results::kTerrain), built.terrain, raw.origin, raw.crs,
+  StepClock(hooks, report.steps).run("1.7", "write terrain", [&](const Progress&) {
+    write_raster(out.result(results::kTerrain), built.terrain, built.raw.origin, built.raw.crs,
                  built.city.domain.bounds());
-    write_city(out.result(results::kRawCity), raw, "City model before simplification");
   });
-  if (next == Next::kMesh && !config.no_html) footprints = page_footprints(built);
-  clock.run("2.4", "write merged city model", [&](const Progress&) {
-    write_city(out.result(results::kCity), built.city, "City model after simplification");
-    write_city_layers(out.result(results::kLayers), raw, built.city, built.footprints);
-  });
-  built.raw = {};
-  built.footprints = {};
   return built;
 }
 
-/// Steps 3.1 to 3.6: writes volume, boundary and surface, and the page that shows them.
-void write_out_mesh(const Config& config, BuiltCity built,
-                    std::span<const PageFootprint> footprints, const RunHooks& hooks,
-                    OutputFolder& out, Report& report) {
-  const CityModel& city = built.city;
-  CityMesh mesh =
-      make_mesh(config, city, std::move(built.terrain), built.canopy_heights, hooks, report);
-  built.canopy_heights = {};
+void write_out_city(const BuiltCity& built, StepClock& clock, OutputFolder& out) {
+  clock.run("2.4", "write city models", [&](const Progress&) {
+    write_city(out.result(results::kRawCity), built.raw, "City model before simplification");
+    write_city(out.result(results::kCity), built.city, "City model after simplification");
+    write_city_layers(out.result(results::kLayers), built.raw, built.city, built.footprints);
+  });
+}
+
+/// Steps 3.1 to 3.5.
+CityMesh make_out_mesh(const Config& config, const CityModel& city, Raster terrain,
+                       const Raster& canopy_heights, const RunHooks& hooks, Report& report) {
+  CityMesh mesh = make_mesh(config, city, std::move(terrain), canopy_heights, hooks, report);
   if (config.coordinates == Coordinates::kAbsolute)
     mesh.placement = {{city.origin.x, city.origin.y, 0}, {0, 0, 0}};
+  return mesh;
+}
+
+/// Both, as few steps of meshing keep all threads busy at its beginning. The city loses what its
+/// mesh does not need.
+CityMesh write_city_and_make_mesh(const Config& config, BuiltCity& built, const RunHooks& hooks,
+                                  OutputFolder& out, Report& report) {
+  CityMesh mesh;
+  // Hooks are called by one thread.
+  StepHooks beside;
+  beside.cancelled = hooks.cancelled;
+  std::vector<StepTime> times;
+  const auto before = std::ssize(report.steps);
+  parallel_in_order(2, [&](std::size_t job) {
+    if (job == 0) {
+      StepClock clock(beside, times);
+      write_out_city(built, clock, out);
+      built.raw = {};
+      built.footprints = {};
+    } else {
+      mesh = make_out_mesh(config, built.city, std::move(built.terrain), built.canopy_heights,
+                           hooks, report);
+      built.canopy_heights = {};
+    }
+  });
+  report.steps.insert(report.steps.begin() + before, times.begin(), times.end());
+  return mesh;
+}
+
+/// Step 3.6: writes volume, boundary and surface, and the page that shows them.
+void write_out_mesh(const Config& config, const CityModel& city, const CityMesh& mesh,
+                    std::span<const PageFootprint> footprints, const RunHooks& hooks,
+                    OutputFolder& out, Report& report) {
   StepClock clock(hooks, report.steps);
   PageMesh shown;
   clock.run("3.6", "write meshes", [&](const Progress& progress) {
@@ -149,9 +175,11 @@ Report run_build(const Config& config, const RunHooks& hooks) {
   OutputFolder out(config.out, hooks.output, Replaces::kModels, config.overwrite);
   keep_inputs(config, out);
   claim(out, names_of(config, true, true), config, hooks);
+  BuiltCity built = make_out_city(config, Next::kMesh, hooks, out, report);
   std::vector<PageFootprint> footprints;
-  BuiltCity built = write_out_city(config, Next::kMesh, hooks, out, report, footprints);
-  write_out_mesh(config, std::move(built), footprints, hooks, out, report);
+  if (!config.no_html) footprints = page_footprints(built);
+  const CityMesh mesh = write_city_and_make_mesh(config, built, hooks, out, report);
+  write_out_mesh(config, built.city, mesh, footprints, hooks, out, report);
   finish(report, out);
   return report;
 }
@@ -163,8 +191,9 @@ Report run_city(const Config& config, const RunHooks& hooks) {
   OutputFolder out(config.out, hooks.output, Replaces::kModels, config.overwrite);
   keep_inputs(config, out);
   claim(out, names_of(config, true, false), config, hooks);
-  std::vector<PageFootprint> none;
-  write_out_city(config, Next::kNothing, hooks, out, report, none);
+  const BuiltCity built = make_out_city(config, Next::kNothing, hooks, out, report);
+  StepClock clock(hooks, report.steps);
+  write_out_city(built, clock, out);
   finish(report, out);
   return report;
 }
@@ -193,8 +222,10 @@ Report run_mesh(const Config& given, const RunHooks& hooks) {
   for (const char* name : {results::kRawCity, results::kLayers})
     out.keep(std::filesystem::path(config.city).parent_path() / name);
   claim(out, names_of(config, false, true), config, hooks);
-  BuiltCity city = load_city(config, hooks, report);
-  write_out_mesh(config, std::move(city), {}, hooks, out, report);
+  BuiltCity built = load_city(config, hooks, report);
+  const CityMesh mesh = make_out_mesh(config, built.city, std::move(built.terrain),
+                                      built.canopy_heights, hooks, report);
+  write_out_mesh(config, built.city, mesh, {}, hooks, out, report);
   finish(report, out);
   return report;
 }

@@ -1,5 +1,6 @@
 #include "tetropolis/io/page/page.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -31,14 +32,13 @@ constexpr int kLevel = 1;
 std::string base64(std::string_view bytes) {
   constexpr std::string_view digits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+  std::string text((bytes.size() + 2) / 3 * 4, '=');
+  for (std::size_t i = 0, at = 0; i < bytes.size(); i += 3, at += 4) {
+    const std::size_t count = std::min<std::size_t>(bytes.size() - i, 3);
     std::uint32_t group = 0;
     for (std::size_t k = 0; k < 3; ++k)
-      group = group << 8U | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
-    for (std::size_t k = 0; k < 4; ++k)
-      text += i + k > bytes.size() ? '=' : digits[group >> (18 - 6 * k) & 63U];
+      group = group << 8U | (k < count ? static_cast<unsigned char>(bytes[i + k]) : 0U);
+    for (std::size_t k = 0; k <= count; ++k) text[at + k] = digits[group >> (18 - 6 * k) & 63U];
   }
   return text;
 }
@@ -77,11 +77,14 @@ class Payload {
     blocks_.push_back({name, {bytes.begin(), bytes.end()}});
   }
   void add(const char* name, std::string text) { blocks_.push_back({name, std::move(text)}); }
+  void add_packed(const char* name, std::string_view text) {
+    blocks_.push_back({name, std::string(text), true});
+  }
 
   std::string text() {
     parallel_chunks(blocks_.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
-        blocks_[i].bytes = base64(deflated(blocks_[i].bytes));
+        if (!blocks_[i].is_packed) blocks_[i].bytes = base64(deflated(blocks_[i].bytes));
     });
     std::string text;
     for (const Block& block : blocks_)
@@ -94,6 +97,7 @@ class Payload {
   struct Block {
     const char* name;
     std::string bytes;
+    bool is_packed = false;
   };
   std::vector<Block> blocks_;
 };
@@ -231,7 +235,7 @@ std::string page_html(const PageContents& contents) {
   constexpr std::string_view data_mark = "@@TETROPOLIS@@", program_mark = "@@PROGRAM@@\n";
   const std::string_view page = page_template();
   const std::size_t data = page.find(data_mark), program = page.find(program_mark);
-  payload.add("program", std::string(page.substr(program + program_mark.size())));
+  payload.add_packed("program", page.substr(program + program_mark.size()));
   std::string html(page.substr(0, data));
   html.append("{").append(payload.text());
   if (!mesh.blocks.empty()) html.append(",\n").append(mesh.blocks);

@@ -1,7 +1,6 @@
 #include "tetropolis/volume/column/column_mesh.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -10,7 +9,6 @@
 
 #include "core/infinity.h"
 #include "core/parallel.h"
-#include "geometry/vec3.h"
 #include "levels.h"
 #include "upper_faces.h"
 
@@ -70,21 +68,16 @@ void require_passed_roofs(const ColumnMesh& mesh) {
       throw_invalid(mesh.edges.vertices[e][0], "fronts do not pass through the roof's edge");
 }
 
-/// The shortest vertical edge of the upper part, whose cells have to be positive.
+/// Of the upper part.
 double shortest_upper_edge(const ColumnMesh& mesh) {
   const UpperMesh& upper = mesh.upper;
   const auto shortest_of = [&](std::size_t f) {
     const UpperFan& fan = upper.fans[f];
-    for (std::size_t c = fan.cell; c < upper.fans[f + 1].cell; ++c) {
-      std::array<Point3, 4> p;
-      const UpperMesh::Cell cell = upper.cell(f, c);
-      for (std::size_t i = 0; i < 4; ++i) p[i] = upper_position(mesh, cell[i]);
-      const double volume = dot(cross(minus(p[1], p[0]), minus(p[2], p[0])), minus(p[3], p[0]));
-      if (!(volume > 0 && volume < kInfinity))
-        throw_invalid(upper_vertex(mesh, fan.node), "a cell is inverted");
-    }
     if (!fan.up.valid()) return kInfinity;
-    return upper_position(mesh, fan.up)[2] - upper_position(mesh, fan.node)[2];
+    const double length = upper_position(mesh, fan.up)[2] - upper_position(mesh, fan.node)[2];
+    if (!(length > 0 && length < kInfinity))
+      throw_invalid(upper_vertex(mesh, fan.node), "the column does not increase");
+    return length;
   };
   return parallel_reduce_ordered(
       upper.fans.size() - 1, 4096, kInfinity,

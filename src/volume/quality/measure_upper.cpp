@@ -28,6 +28,9 @@ namespace {
 /// Far beyond the rounding of cosines and squares.
 constexpr double kMargin = 1e-9;
 
+/// Fans of a chunk.
+constexpr std::size_t kLeastPerChunk = 1024;
+
 /// The worst cells, worst first; of those as bad, the first.
 class WorstCells {
  public:
@@ -304,7 +307,8 @@ void add_upper_quality(const ColumnMesh& mesh, std::size_t worst, MeshQuality& q
   const CellsByTop tops(mesh);
   const double top = top_of(mesh);
   const std::size_t fans = upper.fans.size() - 1;
-  const std::size_t grain = grain_of_chunks(fans, 16);  // each has a histogram
+  // Each has a histogram.
+  const std::size_t grain = std::max(grain_of_chunks(fans), kLeastPerChunk);
   WorstCells all(worst);
   for (const WorstCell& cell : quality.cells.worst) all.add(cell);
   std::vector<std::optional<CellSums>> cells((fans + grain - 1) / grain);

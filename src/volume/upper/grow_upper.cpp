@@ -26,16 +26,19 @@ UpperMesh upper_of(FrontPhases phases, const ColumnMesh& mesh) {
   };
   std::vector<Counts> first(columns + 1);
   std::size_t others = 0;  // the greatest of all
-  for (const std::vector<FrontSteps>& parts : phases)
-    for (const FrontSteps& part : parts)
-      for (const FrontStep& step : part.steps) {
+  for (const std::vector<FrontSteps>& parts : phases) {
+    for (const FrontSteps& part : parts) others += part.others.size();
+    // No two parts have steps of a column.
+    parallel_in_order(parts.size(), [&](std::size_t i) {
+      for (const FrontStep& step : parts[i].steps) {
         Counts& after = first[step.vertex + 1];
         after.nodes += step.is_end() ? 0 : 1;
         ++after.fans;
         after.cells += static_cast<std::uint32_t>(step.cells());
         after.others += static_cast<std::uint32_t>(step.others());
-        others += static_cast<std::size_t>(step.others());
       }
+    });
+  }
   if (others > std::numeric_limits<std::uint32_t>::max())
     throw Error(ErrorKind::kUsage,
                 "the mesh would have more than three billion cells above the buildings; raise "
@@ -93,9 +96,14 @@ UpperMesh upper_of(FrontPhases phases, const ColumnMesh& mesh) {
       take(parts[i]);
       parts[i] = {};
     });
-  for (std::size_t f = 0; f + 1 < upper.fans.size(); ++f)
-    while (upper.fan_of_block.size() * UpperMesh::kBlock < upper.fans[f + 1].cell)
-      upper.fan_of_block.push_back(static_cast<std::uint32_t>(f));
+  upper.fan_of_block.resize((all.cells + UpperMesh::kBlock - 1) / UpperMesh::kBlock);
+  parallel_chunks(all.fans, 65536, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      std::size_t block = (upper.fans[f].cell + UpperMesh::kBlock - 1) / UpperMesh::kBlock;
+      for (; block * UpperMesh::kBlock < upper.fans[f + 1].cell; ++block)
+        upper.fan_of_block[block] = static_cast<std::uint32_t>(f);
+    }
+  });
   return upper;
 }
 
