@@ -7,7 +7,6 @@
 #include <numeric>
 #include <utility>
 
-#include "core/parallel.h"
 #include "page_columns.h"
 
 namespace tetropolis {
@@ -31,10 +30,6 @@ class Steps {
     fan_.assign(vertex_.size(), kNoFan);
     for (std::size_t f = 0; f + 1 < upper.fans.size(); ++f)
       fan_[place(upper.fans[f].node)] = static_cast<std::uint32_t>(f);
-    others_.resize(upper.others.size());
-    parallel_chunks(others_.size(), 65536, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) others_[i] = place(upper.others[i]);
-    });
   }
 
   Place size() const { return static_cast<Place>(vertex_.size()); }
@@ -45,18 +40,13 @@ class Steps {
   bool is_step(Place p) const { return fan_[p] != kNoFan; }
   bool is_end(Place p) const { return is_step(p) && p == last(vertex_[p]); }
 
-  /// Of the cells that the step makes.
-  std::span<const Place> others(Place p) const {
-    const auto& fans = mesh_.upper.fans;
-    const std::size_t begin = fans[fan_[p]].other, end = fans[fan_[p] + 1].other;
-    return std::span(others_).subspan(begin, end - begin);
-  }
-
-  /// The places around it when it is taken, some twice.
+  /// The places around it when it is taken, some twice: of the cells that the step makes.
   template <typename Visit>
   void for_each_around(Place p, const Visit& visit) const {
     if (!is_step(p)) return;
-    for (const Place other : others(p)) visit(other);
+    const auto& fans = mesh_.upper.fans;
+    for (std::size_t i = fans[fan_[p]].other; i < fans[fan_[p] + 1].other; ++i)
+      visit(place(mesh_.upper.others[i]));
   }
 
  private:
@@ -72,7 +62,6 @@ class Steps {
   std::vector<Place> first_;         // per vertex, and one more
   std::vector<VertexIndex> vertex_;  // per place
   std::vector<std::uint32_t> fan_;   // per place
-  std::vector<Place> others_;
 };
 
 /// The elevations of places, as the reader has them.
@@ -199,13 +188,15 @@ class SplitWriter {
 void SplitWriter::add(Place p) {
   covers_.clear();
   edges_.clear();
-  const std::span<const Place> others = steps_.others(p);
-  for (std::size_t i = 0; i < others.size(); i += 3) {
-    Corners c;
-    for (std::size_t k = 0; k < 3; ++k) c[k] = steps_.vertex(others[i + k]);
+  Corners c;
+  std::size_t corners = 0;
+  steps_.for_each_around(p, [&](Place other) {
+    c[corners++] = steps_.vertex(other);
+    if (corners < 3) return;
     covers_.push_back(c);
     for (std::size_t k = 0; k < 3; ++k) edges_.emplace_back(c[k], c[(k + 1) % 3]);
-  }
+    corners = 0;
+  });
   find_ring();
   split(0, ring_.size() - 1);
 }
