@@ -1,6 +1,7 @@
 #include "city/roofs/label_cells.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -15,6 +16,7 @@
 #include "city/roofs/detect_planes.h"
 #include "city/roofs/max_flow.h"
 #include "city/roofs/plane_fit.h"
+#include "core/parallel.h"
 
 namespace tetropolis {
 
@@ -36,17 +38,16 @@ RoofPlane flat_roof(Point2 at, double elevation) { return {at, elevation, 0, 0};
 /// The cells of one member, and the planes they choose from.
 class MemberLabels {
  public:
+  /// `own`: the member's cells. `place`: per cell of all, which of its member's it is.
   MemberLabels(const RoofInput& input, const RoofCells& cells, const LabelOptions& options,
-               MemberNumber member, std::vector<CellNumber> own, std::vector<std::int32_t>& place)
+               MemberNumber member, const std::vector<CellNumber>& own,
+               const std::vector<std::int32_t>& place)
       : points_(input.points.values),
         cells_(cells),
         options_(options),
-        own_(std::move(own)),
-        place_(place),
+        own_(own),
         density_(std::max(0.05, static_cast<double>(input.points[index(member)].size()) /
                                     area(*input.members[index(member)]))) {
-    for (std::size_t i = 0; i < own_.size(); ++i)
-      place_[index(own_[i])] = static_cast<std::int32_t>(i);
     for (const Point3& p : input.points[index(member)]) {
       lowest_ = std::min(lowest_, p[2]);
       highest_ = std::max(highest_, p[2]);
@@ -55,36 +56,48 @@ class MemberLabels {
       planes_.push_back(found.plane);
       boxes_.push_back(found.box);
     }
+    if (planes_.empty()) return;
     labels_.assign(own_.size(), 0);
+    steps_.assign(own_.size(), -1);
+    node_.assign(own_.size(), -1);
+    for (const CellNumber c : own_) {
+      Sides& sides = sides_.emplace_back();
+      for (std::size_t e = 0; e < 3; ++e) {
+        const CellNumber n = cells.neighbours[index(c)][e];
+        if (n < 0 || cells.member[index(n)] != member) continue;
+        sides.neighbour[e] = place[index(n)];
+        sides.border[e] = cost_of(options.border_cost * cells.edge_length(c, e));
+      }
+    }
   }
 
-  bool has_planes() const { return !planes_.empty(); }
-
-  void run() {
+  MemberPlanes run() {
     constexpr int kRounds = 2;
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kRounds && !planes_.empty(); ++round) {
       set_costs();
       choose();
       drop_small_pieces();
       fit_again();
     }
+    return {std::move(planes_), std::move(labels_)};
   }
-
-  const std::vector<CellNumber>& cells() const { return own_; }
-  const std::vector<Label>& labels() const { return labels_; }
-  const std::vector<RoofPlane>& planes() const { return planes_; }
 
  private:
+  /// Of a cell.
+  struct Sides {
+    /// Index of own_ across each edge; -1: outside or another member's.
+    std::array<std::int32_t, 3> neighbour{-1, -1, -1};
+    std::array<std::int32_t, 3> border{};  ///< What an edge costs where labels differ.
+  };
+
   std::size_t count() const { return planes_.size(); }
-  std::int32_t cost(std::size_t i, Label label) const { return costs_[i * count() + index(label)]; }
-  /// Index of own_ of the neighbour across an edge; -1: outside or another member's.
+  std::int32_t cost(std::size_t i, Label label) const {
+    return costs_[index(label) * own_.size() + i];
+  }
   std::int32_t neighbour(std::size_t i, std::size_t edge) const {
-    const CellNumber n = cells_.neighbours[index(own_[i])][edge];
-    return n < 0 ? -1 : place_[index(n)];
+    return sides_[i].neighbour[edge];
   }
-  std::int32_t border(std::size_t i, std::size_t edge) const {
-    return cost_of(options_.border_cost * cells_.edge_length(own_[i], edge));
-  }
+  std::int32_t border(std::size_t i, std::size_t edge) const { return sides_[i].border[edge]; }
 
   void set_costs() {
     costs_.assign(own_.size() * count(), 0);
@@ -95,8 +108,9 @@ class MemberLabels {
       const double size = cells_.area(own_[i]);
       const auto number = static_cast<double>(cells_.points[index(own_[i])].size());
       for (std::size_t k = 0; k < count(); ++k) {
+        std::int32_t& cost = costs_[k * own_.size() + i];
         if (!boxes_[k].grown(kReach).contains(centre)) {
-          costs_[i * count() + k] = cost_of(number / density_ + size);
+          cost = cost_of(number / density_ + size);
           continue;
         }
         double sum = 0;
@@ -104,17 +118,16 @@ class MemberLabels {
           sum += std::min(std::abs(height_above(planes_[k], points_[p])) / options_.cap, 1.0);
         const double z = planes_[k](centre);
         const bool beyond = z > highest_ + kBeyond || z < lowest_ - kBeyond;
-        costs_[i * count() + k] = cost_of(sum / density_ + (beyond ? size : 0));
+        cost = cost_of(sum / density_ + (beyond ? size : 0));
       }
     }
   }
 
   void choose() {
-    for (std::size_t i = 0; i < own_.size(); ++i) {
-      labels_[i] = 0;
-      for (Label k = 1; index(k) < count(); ++k)
+    std::fill(labels_.begin(), labels_.end(), 0);
+    for (Label k = 1; index(k) < count(); ++k)
+      for (std::size_t i = 0; i < own_.size(); ++i)
         if (cost(i, k) < cost(i, labels_[i])) labels_[i] = k;
-    }
     constexpr int kRounds = 3;
     bool changed = true;
     for (int round = 0; round < kRounds && changed; ++round) {
@@ -126,21 +139,22 @@ class MemberLabels {
   /// The cells that may take a label: those near to such as have it or would rather have it.
   std::vector<std::int32_t> candidates(Label k) {
     constexpr std::int32_t kSteps = 6;
-    std::vector<std::int32_t> steps(own_.size(), -1), queue;
+    std::vector<std::int32_t> queue;
     for (std::size_t i = 0; i < own_.size(); ++i)
       if (labels_[i] == k || cost(i, k) < cost(i, labels_[i])) {
-        steps[i] = 0;
+        steps_[i] = 0;
         queue.push_back(static_cast<std::int32_t>(i));
       }
     for (std::size_t q = 0; q < queue.size(); ++q) {
       const std::int32_t i = queue[q];
-      if (steps[index(i)] == kSteps) continue;
+      if (steps_[index(i)] == kSteps) continue;
       for (std::size_t e = 0; e < 3; ++e)
-        if (const std::int32_t n = neighbour(index(i), e); n >= 0 && steps[index(n)] < 0) {
-          steps[index(n)] = steps[index(i)] + 1;
+        if (const std::int32_t n = neighbour(index(i), e); n >= 0 && steps_[index(n)] < 0) {
+          steps_[index(n)] = steps_[index(i)] + 1;
           queue.push_back(n);
         }
     }
+    for (const std::int32_t i : queue) steps_[index(i)] = -1;
     std::erase_if(queue, [&](std::int32_t i) { return labels_[index(i)] == k; });
     return queue;
   }
@@ -149,9 +163,8 @@ class MemberLabels {
   bool expand(Label k) {
     const std::vector<std::int32_t> active = candidates(k);
     if (active.empty()) return false;
-    std::vector<std::int32_t> node(own_.size(), -1);
     for (std::size_t a = 0; a < active.size(); ++a)
-      node[index(active[a])] = static_cast<std::int32_t>(a);
+      node_[index(active[a])] = static_cast<std::int32_t>(a);
     std::vector<std::int32_t> keep(active.size()), take(active.size());
     MaxFlow flow(active.size());
     for (std::size_t a = 0; a < active.size(); ++a) {
@@ -162,7 +175,7 @@ class MemberLabels {
         const std::int32_t n = neighbour(i, e);
         if (n < 0) continue;
         const std::int32_t w = border(i, e);
-        const std::int32_t b = node[index(n)];
+        const std::int32_t b = node_[index(n)];
         if (b < 0) {
           if (labels_[index(n)] != labels_[i]) keep[a] += w;
           if (labels_[index(n)] != k) take[a] += w;
@@ -181,11 +194,12 @@ class MemberLabels {
     }
     flow.run();
     bool changed = false;
-    for (std::size_t a = 0; a < active.size(); ++a)
-      if (!flow.on_source_side(static_cast<std::int32_t>(a))) {
-        labels_[index(active[a])] = k;
-        changed = true;
-      }
+    for (std::size_t a = 0; a < active.size(); ++a) {
+      node_[index(active[a])] = -1;
+      if (flow.on_source_side(static_cast<std::int32_t>(a))) continue;
+      labels_[index(active[a])] = k;
+      changed = true;
+    }
     return changed;
   }
 
@@ -292,18 +306,19 @@ class MemberLabels {
   const std::vector<Point3>& points_;
   const RoofCells& cells_;
   const LabelOptions& options_;
-  std::vector<CellNumber> own_;
-  std::vector<std::int32_t>& place_;  ///< Per cell of all: its index of own_.
+  const std::vector<CellNumber>& own_;
+  std::vector<Sides> sides_;
   double density_;
   double lowest_ = std::numeric_limits<double>::infinity();
   double highest_ = -std::numeric_limits<double>::infinity();
   std::vector<RoofPlane> planes_;
   std::vector<Bounds2> boxes_;       ///< Per plane: of what it was found at.
-  std::vector<std::int32_t> costs_;  ///< Per cell and plane.
+  std::vector<std::int32_t> costs_;  ///< Per plane and cell.
   std::vector<Label> labels_;        ///< Per cell.
   std::vector<std::int32_t> piece_;  ///< Per cell.
   std::vector<Label> piece_label_;
   std::vector<double> piece_area_;
+  std::vector<std::int32_t> steps_, node_;  ///< Per cell, -1 but while a label expands.
 };
 
 /// Regions that are joined one pair after the other.
@@ -497,6 +512,14 @@ class Joining {
   std::set<Pair> queue_;
 };
 
+std::vector<std::vector<CellNumber>> cells_of_members(const RoofInput& input,
+                                                      const RoofCells& cells) {
+  std::vector<std::vector<CellNumber>> own(input.members.size());
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    own[index(cells.member[c])].push_back(static_cast<CellNumber>(c));
+  return own;
+}
+
 /// The flat roof of all points of a member.
 RegionRoof flat_member(const RoofInput& input, MemberNumber m, const LabelOptions& options) {
   RegionRoof roof;
@@ -553,37 +576,44 @@ void flatten(const RoofInput& input, const RoofCells& cells, const LabelOptions&
 
 }  // namespace
 
+std::vector<MemberPlanes> choose_planes(const RoofInput& input, const RoofCells& cells,
+                                        const LabelOptions& options) {
+  std::vector<MemberPlanes> chosen(input.members.size());
+  if (options.lod == Lod::k1_2) return chosen;
+  const std::vector<std::vector<CellNumber>> own = cells_of_members(input, cells);
+  std::vector<std::int32_t> place(cells.size());
+  for (const std::vector<CellNumber>& list : own)
+    for (std::size_t i = 0; i < list.size(); ++i)
+      place[index(list[i])] = static_cast<std::int32_t>(i);
+  parallel_chunks(own.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      if (!own[k].empty())
+        chosen[k] =
+            MemberLabels(input, cells, options, static_cast<MemberNumber>(k), own[k], place).run();
+  });
+  return chosen;
+}
+
 RoofRegions label_cells(const RoofInput& input, const RoofCells& cells,
-                        const LabelOptions& options) {
-  std::vector<std::vector<CellNumber>> own(input.members.size());
-  for (std::size_t c = 0; c < cells.size(); ++c)
-    own[index(cells.member[c])].push_back(static_cast<CellNumber>(c));
+                        std::span<const MemberPlanes> chosen, const LabelOptions& options) {
+  const std::vector<std::vector<CellNumber>> own = cells_of_members(input, cells);
   RoofRegions regions;
   regions.of_cell.assign(cells.size(), 0);
-  std::vector<std::int32_t> place(cells.size(), -1);
   for (std::size_t k = 0; k < own.size(); ++k) {
     if (own[k].empty()) continue;
     const auto m = static_cast<MemberNumber>(k);
     const auto base = static_cast<RoofRegion>(regions.roofs.size());
     const RegionRoof flat = flat_member(input, m, options);
-    const std::vector<CellNumber> list = own[k];
     const bool stays_flat = !input.stays_flat.empty() && input.stays_flat[k] != 0;
-    if (options.lod == Lod::k1_2 || flat.lod == Lod::kBlock || stays_flat) {
-      for (const CellNumber c : list) regions.of_cell[index(c)] = base;
+    if (options.lod == Lod::k1_2 || flat.lod == Lod::kBlock || stays_flat ||
+        chosen[k].planes.empty()) {
+      for (const CellNumber c : own[k]) regions.of_cell[index(c)] = base;
       regions.roofs.push_back(flat);
       continue;
     }
-    MemberLabels labels(input, cells, options, m, std::move(own[k]), place);
-    if (labels.has_planes()) {
-      labels.run();
-      for (std::size_t i = 0; i < list.size(); ++i)
-        regions.of_cell[index(list[i])] = base + labels.labels()[i];
-      for (const RoofPlane& plane : labels.planes()) regions.roofs.push_back({plane, m, Lod::k2_2});
-    } else {
-      for (const CellNumber c : list) regions.of_cell[index(c)] = base;
-      regions.roofs.push_back(flat);
-    }
-    for (const CellNumber c : list) place[index(c)] = -1;
+    for (std::size_t i = 0; i < own[k].size(); ++i)
+      regions.of_cell[index(own[k][i])] = base + chosen[k].of_cell[i];
+    for (const RoofPlane& plane : chosen[k].planes) regions.roofs.push_back({plane, m, Lod::k2_2});
   }
   split_pieces(cells, regions);
   if (options.lod == Lod::k1_3) flatten(input, cells, options, regions);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "tetropolis/city/city_model.h"
@@ -35,12 +36,23 @@ struct RoofRegions {
   std::vector<RegionRoof> roofs;    ///< Per region.
 };
 
-/// LoD1.2: one region per member and connected piece. LoD2.2: cells choose among the planes of
-/// their member (detect_planes) so that the sum of all points' distances (capped, over the density)
-/// and of the borders' lengths is small: alpha expansion (Boykov, Veksler, Zabih, "Fast approximate
-/// energy minimization via graph cuts", 2001). LoD1.3: what of these regions differs by less than a
-/// step is one.
+/// What the cells of a member chose.
+struct MemberPlanes {
+  std::vector<RoofPlane> planes;      ///< Empty: there are none.
+  std::vector<std::int32_t> of_cell;  ///< Which of them, per cell of the member.
+};
+
+/// Per member: cells choose among its planes (detect_planes) so that the sum of all points'
+/// distances (capped, over the density) and of the borders' lengths is small: alpha expansion
+/// (Boykov, Veksler, Zabih, "Fast approximate energy minimization via graph cuts", 2001). LoD1.2:
+/// none are looked for.
+std::vector<MemberPlanes> choose_planes(const RoofInput& input, const RoofCells& cells,
+                                        const LabelOptions& options);
+
+/// LoD1.2: one region per member and connected piece. LoD2.2: one per connected piece of a plane's
+/// cells, of which those are joined that cost little. LoD1.3: what of these regions differs by less
+/// than a step is one. `chosen`: per member, by choose_planes().
 RoofRegions label_cells(const RoofInput& input, const RoofCells& cells,
-                        const LabelOptions& options);
+                        std::span<const MemberPlanes> chosen, const LabelOptions& options);
 
 }  // namespace tetropolis

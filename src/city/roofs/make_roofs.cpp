@@ -94,11 +94,12 @@ struct Attempt {
   bool is_valid = false;
 };
 
-Attempt attempt(const Building& building, const RoofInput& input, const CityModel& raw,
-                const std::vector<BuildingIndex>& members, const RoofOptions& options) {
+Attempt attempt(const Building& building, const RoofInput& input, const RoofFindings& found,
+                const CityModel& raw, const std::vector<BuildingIndex>& members,
+                const RoofOptions& options) {
   Attempt result;
-  result.roof =
-      roof_of_building(input, options, building.h_roof, building.h_ground + options.min_height);
+  result.roof = roof_of_building(input, found, options, building.h_roof,
+                                 building.h_ground + options.min_height);
   result.building = building;
   result.building.footprint = result.roof.footprint;
   for (FinishedPart& finished : result.roof.parts) {
@@ -111,12 +112,13 @@ Attempt attempt(const Building& building, const RoofInput& input, const CityMode
   return result;
 }
 
-/// Members whose points fit one flat roof better, as where lines had no room, get that: the whole
-/// is made again.
-Attempt best_attempt(const Building& building, RoofInput& input, const CityModel& raw,
-                     const std::vector<BuildingIndex>& members, const RoofOptions& options) {
+/// Members whose points fit one flat roof better, as where lines had no room, get that: the lines
+/// are made again.
+Attempt best_attempt(const Building& building, RoofInput& input, const RoofFindings& found,
+                     const CityModel& raw, const std::vector<BuildingIndex>& members,
+                     const RoofOptions& options) {
   input.stays_flat.assign(input.members.size(), 0);
-  Attempt best = attempt(building, input, raw, members, options);
+  Attempt best = attempt(building, input, found, raw, members, options);
   if (options.lod == Lod::k1_2) return best;
   constexpr int kRounds = 2;
   Attempt last = best;
@@ -126,7 +128,7 @@ Attempt best_attempt(const Building& building, RoofInput& input, const CityModel
     for (std::size_t m = 0; m < fits.size(); ++m)
       if (fits[m].is_worse() && input.stays_flat[m] == 0) input.stays_flat[m] = 1, any = true;
     if (!any) break;
-    last = attempt(building, input, raw, members, options);
+    last = attempt(building, input, found, raw, members, options);
     if (last.is_valid && excess(fits_of(last.roof)) < excess(fits_of(best.roof))) best = last;
   }
   return best;
@@ -135,11 +137,12 @@ Attempt best_attempt(const Building& building, RoofInput& input, const CityModel
 BuildingFacts make_roof(Building& building, RoofInput input, const CityModel& raw,
                         const std::vector<BuildingIndex>& members, const RoofOptions& options) {
   BuildingFacts result;
+  const RoofFindings found = find_planes(input, options);
   RoofOptions tried = options;
   // What cannot keep its clearance is made with fewer lines: party walls alone, then none.
   for (const Lod lod : {options.lod, Lod::k1_2}) {
     tried.lod = lod;
-    Attempt made = best_attempt(building, input, raw, members, tried);
+    Attempt made = best_attempt(building, input, found, raw, members, tried);
     if (!made.is_valid) continue;
     result.facts.shared_wall_corners =
         separate_valleys(made.building, options.clearance, options.min_area);

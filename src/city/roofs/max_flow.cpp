@@ -36,10 +36,11 @@ bool MaxFlow::find_levels() {
       const Arc& arc = arcs_[index(a)];
       if (arc.capacity == 0 || level_[index(arc.to)] >= 0) continue;
       level_[index(arc.to)] = level_[index(u)] + 1;
+      if (arc.to == sink_) return true;  // what is as far leads nowhere
       queue_.push_back(arc.to);
     }
   }
-  return level_[index(sink_)] >= 0;
+  return false;
 }
 
 /// Paths from the source to the sink, each a level further with every arc, until there are none.
