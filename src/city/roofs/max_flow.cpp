@@ -26,24 +26,38 @@ void MaxFlow::add_terminal(Node u, std::int32_t from_source, std::int32_t to_sin
   if (to_sink > through) add_arc(u, sink_, to_sink - through, 0);
 }
 
+/// Levels are numbers of arcs from a node to the sink; returns whether the source has one.
 bool MaxFlow::find_levels() {
   std::fill(level_.begin(), level_.end(), -1);
-  queue_.assign(1, source_);
-  level_[index(source_)] = 0;
+  queue_.assign(1, sink_);
+  level_[index(sink_)] = 0;
   for (std::size_t k = 0; k < queue_.size(); ++k) {
     const Node u = queue_[k];
     for (std::int32_t a = first_[index(u)]; a >= 0; a = arcs_[index(a)].next) {
-      const Arc& arc = arcs_[index(a)];
-      if (arc.capacity == 0 || level_[index(arc.to)] >= 0) continue;
-      level_[index(arc.to)] = level_[index(u)] + 1;
-      if (arc.to == sink_) return true;  // what is as far leads nowhere
-      queue_.push_back(arc.to);
+      const Node from = arcs_[index(a)].to;
+      if (arcs_[index(a ^ 1)].capacity == 0 || level_[index(from)] >= 0) continue;
+      level_[index(from)] = level_[index(u)] + 1;
+      if (from == source_) return true;  // no way leads through what is as far
+      queue_.push_back(from);
     }
   }
   return false;
 }
 
-/// Paths from the source to the sink, each a level further with every arc, until there are none.
+void MaxFlow::find_source_side() {
+  on_source_side_.assign(first_.size(), 0);
+  queue_.assign(1, source_);
+  on_source_side_[index(source_)] = 1;
+  for (std::size_t k = 0; k < queue_.size(); ++k)
+    for (std::int32_t a = first_[index(queue_[k])]; a >= 0; a = arcs_[index(a)].next) {
+      const Arc& arc = arcs_[index(a)];
+      if (arc.capacity == 0 || on_source_side_[index(arc.to)] != 0) continue;
+      on_source_side_[index(arc.to)] = 1;
+      queue_.push_back(arc.to);
+    }
+}
+
+/// Paths from the source to the sink, each a level nearer with every arc, until there are none.
 void MaxFlow::augment() {
   current_ = first_;
   std::vector<std::int32_t> path;
@@ -65,14 +79,14 @@ void MaxFlow::augment() {
     }
     std::int32_t& a = current_[index(u)];
     while (a >= 0 && (arcs_[index(a)].capacity == 0 ||
-                      level_[index(arcs_[index(a)].to)] != level_[index(u)] + 1))
+                      level_[index(arcs_[index(a)].to)] != level_[index(u)] - 1))
       a = arcs_[index(a)].next;
     if (a >= 0) {
       path.push_back(a);
       u = arcs_[index(a)].to;
     } else {
       if (path.empty()) return;
-      level_[index(u)] = -1;  // a dead end
+      level_[index(u)] = -2;  // a dead end, of no level's next
       u = arcs_[index(path.back() ^ 1)].to;
       path.pop_back();
     }
@@ -81,6 +95,7 @@ void MaxFlow::augment() {
 
 void MaxFlow::run() {
   while (find_levels()) augment();
+  find_source_side();
 }
 
 }  // namespace tetropolis

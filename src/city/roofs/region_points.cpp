@@ -11,6 +11,7 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/roofs/plane_fit.h"
+#include "core/infinity.h"
 #include "core/ragged_builder.h"
 
 namespace tetropolis {
@@ -73,6 +74,35 @@ void RegionPoints::for_each_near(const Bounds2& box, const Visit& visit) const {
       for (const std::uint32_t p : grid_[row_major(x, y, columns_)]) visit(p);
 }
 
+/// The same for the triangle, which may be narrow and at an angle to the grid.
+template <typename Visit>
+void RegionPoints::for_each_near(const std::array<Point2, 3>& triangle, const Visit& visit) const {
+  constexpr double kMargin = 1e-6;  // far beyond rounding, metres
+  const Bounds2 box = bounds(triangle);
+  const std::size_t north = slot(box.ymax - box_.ymin, rows_);
+  for (std::size_t y = slot(box.ymin - box_.ymin, rows_); y <= north; ++y) {
+    // Cells at the rim take in what is beyond.
+    const double low = y == 0 ? -kInfinity : box_.ymin + static_cast<double>(y) * kCell - kMargin;
+    const double high =
+        y + 1 == rows_ ? kInfinity : box_.ymin + static_cast<double>(y + 1) * kCell + kMargin;
+    double xmin = kInfinity, xmax = -kInfinity;
+    for (std::size_t i = 0; i < 3; ++i) {
+      Point2 a = triangle[i], b = triangle[(i + 1) % 3];
+      if (a.y > b.y) std::swap(a, b);
+      if (a.y > high || b.y < low) continue;
+      const auto at = [&](double height) {
+        return a.x + (b.x - a.x) * ((height - a.y) / (b.y - a.y));
+      };
+      const double first = a.y < low ? at(low) : a.x, last = b.y > high ? at(high) : b.x;
+      xmin = std::min({xmin, first, last});
+      xmax = std::max({xmax, first, last});
+    }
+    const std::size_t east = slot(xmax + kMargin - box_.xmin, columns_);
+    for (std::size_t x = slot(xmin - kMargin - box_.xmin, columns_); x <= east; ++x)
+      for (const std::uint32_t p : grid_[row_major(x, y, columns_)]) visit(p);
+  }
+}
+
 double RegionPoints::cost(const RoofPlane& plane, std::uint32_t point) const {
   return weight_[point] * huber(std::abs(height_above(plane, points_[point])));
 }
@@ -106,9 +136,8 @@ double RegionPoints::cost_of_triangle(Point2 a, Point2 b, Point2 c, RoofRegion f
   if (from == to || from < 0 || to < 0) return 0;
   const RoofPlane& before = roof(from).plane;
   const RoofPlane& after = roof(to).plane;
-  const Bounds2 box = bounds(std::array{a, b, c});
   double sum = 0;
-  for_each_near(box, [&](std::uint32_t p) {
+  for_each_near(std::array{a, b, c}, [&](std::uint32_t p) {
     const Point2 q{points_[p][0], points_[p][1]};
     if (crosses_ray(a, b, q) ^ crosses_ray(b, c, q) ^ crosses_ray(c, a, q))
       sum += cost(after, p) - cost(before, p);

@@ -2,6 +2,7 @@
 // to src/city.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -53,6 +54,8 @@ class RegionPoints {
   /// Calls visit(point) for those in the box, and some around it.
   template <typename Visit>
   void for_each_near(const Bounds2& box, const Visit& visit) const;
+  template <typename Visit>
+  void for_each_near(const std::array<Point2, 3>& triangle, const Visit& visit) const;
   double cost(const RoofPlane& plane, std::uint32_t point) const;
   double cost(const RoofPlane& plane, const std::vector<std::uint32_t>& points) const;
   /// What planes are chosen by: squares, up to the cap. Points of another plane have no say.
