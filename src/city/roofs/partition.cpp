@@ -80,12 +80,14 @@ Partition::EdgeId Partition::add_edge(NodeId a, NodeId b, Region left, Region ri
   nodes_[a].edges.push_back(e);
   nodes_[b].edges.push_back(e);
   enter(e);
+  is_tidy_ = false;
   return e;
 }
 
 void Partition::remove(EdgeId e) {
   edges_[e].alive = false;
   for (const NodeId n : {edges_[e].a, edges_[e].b}) std::erase(nodes_[n].edges, e);
+  is_tidy_ = false;
 }
 
 void Partition::redirect(EdgeId e, NodeId from, NodeId to) {
@@ -93,6 +95,7 @@ void Partition::redirect(EdgeId e, NodeId from, NodeId to) {
   nodes_[to].edges.push_back(e);
   (edges_[e].a == from ? edges_[e].a : edges_[e].b) = to;
   enter(e);
+  is_tidy_ = false;
 }
 
 double Partition::length(EdgeId e) const { return distance(at(edges_[e].a), at(edges_[e].b)); }
@@ -335,10 +338,12 @@ void Partition::merge(Region keep, Region gone) {
     if (edge.left == gone) edge.left = keep;
     if (edge.right == gone) edge.right = keep;
   }
+  is_tidy_ = false;
   tidy();
 }
 
 void Partition::tidy() {
+  if (std::exchange(is_tidy_, true)) return;
   for (EdgeId e = 0; e < edges_.size(); ++e)
     if (edges_[e].alive && edges_[e].left == edges_[e].right) remove(e);
   for (NodeId n = 0; n < nodes_.size(); ++n)
@@ -432,6 +437,7 @@ std::vector<Partition::Region> Partition::split_regions(Region next) {
         for (std::size_t i = 0; i < ring.size(); ++i) {
           Edge& edge = edges_[edge_between(ring[i], ring[(i + 1) % ring.size()])];
           (edge.a == ring[i] ? edge.left : edge.right) = next;
+          is_tidy_ = false;
         }
       origin.push_back(all[k].region);
       ++next;

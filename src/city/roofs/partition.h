@@ -138,6 +138,7 @@ class Partition {
   double cell_;
   std::size_t columns_ = 1, rows_ = 1;
   std::vector<std::vector<EdgeId>> grid_;
+  bool is_tidy_ = false;  ///< Whether nothing but places has changed since tidy() found nothing.
 };
 
 }  // namespace tetropolis

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tetropolis/city/roofs.h"
+#include "tetropolis/city/simplify/clearance.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "core/infinity.h"
@@ -126,6 +127,18 @@ Building stepped_back(const Building& building, const std::vector<Sector>& secto
   return made;
 }
 
+/// Whether a corner at q keeps clear of sides that do not end at p: most places do not, and are not
+/// worth a look at the whole building.
+bool is_free(const Building& building, Point2 p, Point2 q, double clearance) {
+  bool free = true;
+  for (const RoofPart& part : building.parts)
+    for_each_edge(part.outline, [&](Point2 a, Point2 b) {
+      if (a != p && b != p)
+        free = free && is_clear(distance_to_segment(q, a, b), 0.999 * clearance);
+    });
+  return free;
+}
+
 /// Tries places for the corner; whether one was good.
 bool step_back(Building& building, const std::vector<Sector>& sectors, std::size_t low, Point2 p,
                double clearance, double min_area) {
@@ -141,6 +154,7 @@ bool step_back(Building& building, const std::vector<Sector>& sectors, std::size
       const double distance = clearance * length;
       const Point2 q = snap_coordinate(Point2{p.x + distance * std::cos(middle + turn),
                                               p.y + distance * std::sin(middle + turn)});
+      if (!is_free(building, p, q, clearance)) continue;
       Building made = stepped_back(building, sectors, low, p, q);
       if (!part_defects(std::span(&made, 1), clearance, min_area, 1).empty()) continue;
       building = std::move(made);
