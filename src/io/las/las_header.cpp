@@ -319,6 +319,10 @@ std::string check_laszip_record(std::string_view data, int record_length, Laszip
   if (record.compressor != 1 && record.chunk_size == 0)
     return "the LASzip record gives chunks of 0 points";
   if (items == 0 || data.size() < 34 + 6 * items) return "the LASzip record's items are cut";
+  // The decoder would look for the next record in this one.
+  if (data.size() > 34 + 6 * items)
+    return fmt::format("the LASzip record has {} bytes, {} more than its items", data.size(),
+                       data.size() - 34 - 6 * items);
   // Sizes by item type: BYTE (any), POINT10, GPSTIME11, RGB12, WAVEPACKET13, POINT14, RGB14,
   // RGBNIR14, WAVEPACKET14, BYTE14 (any); the numbers between are not in use.
   constexpr std::array<int, 15> kSizes = {0, -1, -1, -1, -1, -1, 20, 8, 6, 29, 30, 6, 8, 29, 0};

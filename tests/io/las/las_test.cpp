@@ -367,6 +367,7 @@ TEST(Las, CompressorsGoWithTheirKindOfItems) {
   EXPECT_EQ(check_laszip_record(record(3, 10, 30), 30, result), "");
   EXPECT_NE(check_laszip_record(record(3, 6, 20), 20, result), "");
   EXPECT_NE(check_laszip_record(record(2, 10, 30), 30, result), "");
+  EXPECT_NE(check_laszip_record(record(2, 6, 20) + std::string(26, '\0'), 20, result), "");
 }
 
 TEST(Las, CropKeepsExactlyThePointsInTheBox) {
