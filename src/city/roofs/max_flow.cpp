@@ -86,7 +86,7 @@ void MaxFlow::augment() {
       u = arcs_[index(a)].to;
     } else {
       if (path.empty()) return;
-      level_[index(u)] = -2;  // a dead end, of no level's next
+      level_[index(u)] = -1;  // a dead end
       u = arcs_[index(path.back() ^ 1)].to;
       path.pop_back();
     }
