@@ -1,6 +1,7 @@
 #include "tetropolis/run/run.h"
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -98,16 +99,25 @@ CityMesh write_city_and_make_mesh(const Config& config, BuiltCity& built, const 
   StepHooks beside;
   beside.cancelled = hooks.cancelled;
   std::vector<StepTime> times;
+  // Nobody waits for the mesh of a city that cannot be written.
+  std::atomic<bool> has_failed{false};
+  RunHooks meshing = hooks;
+  meshing.cancelled = [&] { return has_failed || (hooks.cancelled && hooks.cancelled()); };
   const auto before = std::ssize(report.steps);
   parallel_in_order(2, [&](std::size_t job) {
     if (job == 0) {
       StepClock clock(beside, times);
-      write_out_city(built, clock, out);
+      try {
+        write_out_city(built, clock, out);
+      } catch (...) {
+        has_failed = true;
+        throw;
+      }
       built.raw = {};
       built.footprints = {};
     } else {
       mesh = make_out_mesh(config, built.city, std::move(built.terrain), built.canopy_heights,
-                           hooks, report);
+                           meshing, report);
       built.canopy_heights = {};
     }
   });
