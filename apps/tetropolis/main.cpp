@@ -399,7 +399,7 @@ void require_address_space() {
 int main(int argc, char** argv) {
 #ifdef __GLIBC__
   // Left alone, the allocator learns from large arrays that are freed to keep their memory.
-  mallopt(M_MMAP_THRESHOLD, 1 << 20);
+  mallopt(M_MMAP_THRESHOLD, 1 << 18);
   mallopt(M_TRIM_THRESHOLD, 8 << 20);
 #endif
   catch_interrupts();

@@ -107,12 +107,9 @@ class Worst {
 void Climber::find_star(VertexIndex v) {
   const std::vector<Neighbour>& around = front_.around[v];
   const std::size_t n = around.size() - (column(v).stays ? 1 : 0);
-  const auto at_piece = [&](std::size_t i) -> const FrontTriangle& {
-    return front_.triangles[static_cast<std::size_t>(around[i].piece)];
-  };
   std::size_t first = 0;
   for (std::size_t i = 1; i < n && !column(v).stays; ++i)
-    if (at_piece(i).is_older(at_piece(first))) first = i;
+    if (triangle(around[i].piece).is_older(triangle(around[first].piece))) first = i;
   star_.clear();
   for (std::size_t k = 0, i = first; k < n; ++k) {
     const Neighbour& here = around[i];
@@ -121,14 +118,14 @@ void Climber::find_star(VertexIndex v) {
   }
   rows_.start(n);
   for (std::size_t k = 0; k < n; ++k)
-    rows_.set(k, at(star_[k].vertex), at(star_[k].next), triangle(star_[k]).centre);
+    rows_.set(k, at(star_[k].vertex), at(star_[k].next), triangle(star_[k].piece).centre);
 }
 
 /// Spacing as column_spacing() has it, in the front, and longest edge. Precondition: star_ is that
 /// of v.
 void Climber::measure_star(VertexIndex v) {
   const StarSizes sizes = rows_.sizes_around(at(v));
-  column(v).spacing = front_.shares[v] * spacing_over(sizes.altitude, sizes.longest2);
+  column(v).spacing = shares_[v] * spacing_over(sizes.altitude, sizes.longest2);
   column(v).longest = std::sqrt(sizes.longest2);
 }
 
@@ -186,7 +183,7 @@ void Climber::rise(VertexIndex v, double to) {
   for (std::size_t i = 0; i < star_.size(); ++i) {
     const Spoke& spoke = star_[i];
     cover(spoke, v, static_cast<std::int32_t>(i));
-    triangle(spoke).centre = centre_of({own.at, at(spoke.vertex), at(spoke.next), up});
+    triangle(spoke.piece).centre = centre_of({own.at, at(spoke.vertex), at(spoke.next), up});
   }
   own.cells += done_.steps.back().cells();
   ++own.risen;
@@ -245,7 +242,7 @@ bool Climber::end(VertexIndex v, double least_share, double least_angle) {
     std::array<std::ptrdiff_t, 2> behind{self(self, i, k), self(self, k, j)};
     for (std::size_t side = 0; side < 2; ++side) {
       const std::size_t a = side == 0 ? i : k, b = side == 0 ? k : j;
-      const Point3 other = behind[side] < 0 ? triangle(star_[a]).centre
+      const Point3 other = behind[side] < 0 ? triangle(star_[a].piece).centre
                                             : caps[static_cast<std::size_t>(behind[side])].centre;
       if (behind[side] < 0) over[a] = static_cast<std::int32_t>(count);
       worst.add_face({o, ring[a], ring[b]}, other, centre);
@@ -254,7 +251,8 @@ bool Climber::end(VertexIndex v, double least_share, double least_angle) {
     return static_cast<std::ptrdiff_t>(count++);
   };
   visit(visit, 0, n - 1);
-  worst.add_face({o, ring[n - 1], ring[0]}, triangle(star_[n - 1]).centre, caps[count - 1].centre);
+  worst.add_face({o, ring[n - 1], ring[0]}, triangle(star_[n - 1].piece).centre,
+                 caps[count - 1].centre);
   if (!(worst.share() > std::min(kGoodEndFaces, least_share))) return false;
   over[n - 1] = static_cast<std::int32_t>(count) - 1;
   if (worst.is_below_floor()) add_poor(v);
@@ -264,7 +262,7 @@ bool Climber::end(VertexIndex v, double least_share, double least_angle) {
   for (std::size_t i = 0; i < n; ++i) cover(star_[i], v, over[i]);
   std::array<CapCorners, kMost> covers;
   for (std::size_t i = 0; i < count; ++i) {
-    triangle(star_[i]) = {static_cast<std::int32_t>(i), v, order, caps[i].centre, false};
+    triangle(star_[i].piece) = {static_cast<std::int32_t>(i), v, order, caps[i].centre, false};
     covers[i].piece = star_[i].piece;
     for (std::size_t c = 0; c < 3; ++c) {
       covers[i].vertices[c] = star_[caps[i].ring[c]].vertex;
@@ -278,11 +276,11 @@ bool Climber::end(VertexIndex v, double least_share, double least_angle) {
 
 /// Has the caps at u around it where v was.
 void Climber::close(VertexIndex u, VertexIndex v, std::span<const CapCorners> caps) {
-  column(u).longest = -1;
   std::vector<Neighbour>& around = front_.around[u];
+  if (around.empty()) return;  // It does again what it has done.
+  column(u).longest = -1;
   auto place = std::find_if(around.begin(), around.end(),
                             [&](const Neighbour& other) { return other.vertex == v; });
-  if (around.empty()) return;  // It does again what it has done.
   is_sound_ = is_sound_ && place != around.end();
   if (!is_sound_) return;
   Neighbour& before = place == around.begin() ? around.back() : *(place - 1);
@@ -319,9 +317,9 @@ void Climber::repeat(VertexIndex v, const FrontRecord::Step& step) {
     std::vector<CapCorners> caps;
     for (std::size_t i = 0; 3 * i < others.size(); ++i) {
       const std::array<VertexIndex, 3> c{others[3 * i], others[3 * i + 1], others[3 * i + 2]};
-      caps.push_back({c, static_cast<Piece>(front_.triangles.size())});
-      front_.triangles.push_back({static_cast<std::int32_t>(i), v, step.order,
-                                  centre_of({own.at, at(c[0]), at(c[1]), at(c[2])}), false});
+      caps.push_back({c, static_cast<Piece>(front_.triangles.size() + added_.size())});
+      added_.push_back({static_cast<std::int32_t>(i), v, step.order,
+                        centre_of({own.at, at(c[0]), at(c[1]), at(c[2])}), false});
     }
     std::vector<VertexIndex> ring(others.begin(), others.end());
     sort_once(ring);
@@ -338,9 +336,9 @@ void Climber::repeat(VertexIndex v, const FrontRecord::Step& step) {
     for (const Neighbour& other : front_.around[b])
       if (other.vertex == v) piece = other.piece;
     if (piece == kNoPiece) continue;
-    FrontTriangle& triangle = front_.triangles[static_cast<std::size_t>(piece)];
-    triangle.centre = centre_of({own.at, at(a), at(b), up});
-    triangle.is_lid = false;
+    FrontTriangle& below = triangle(piece);
+    below.centre = centre_of({own.at, at(a), at(b), up});
+    below.is_lid = false;
   }
   own.at = up;
   ++own.risen;

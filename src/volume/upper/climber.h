@@ -59,7 +59,6 @@ struct Neighbour {
 /// The front.
 struct Front {
   double top = 0;
-  std::span<const double> shares;
   std::vector<FrontColumn> columns;      // per vertex
   std::vector<Turn> turns;               // per vertex
   std::vector<FrontTriangle> triangles;  // by triangle of the ground mesh
@@ -73,8 +72,11 @@ class Worst;
 /// Has columns of one tile climb.
 class Climber {
  public:
-  Climber(Front& front, FrontSteps& done, bool tells_risen = false)
-      : front_(front), done_(done), tells_risen_(tells_risen) {}
+  /// `shares`: per vertex, of the spacing that segments are to have. `risen`: as in StepsWithin,
+  /// where that is asked for.
+  Climber(Front& front, std::span<const double> shares, FrontSteps& done,
+          std::vector<std::int16_t>* risen = nullptr)
+      : front_(front), shares_(shares), done_(done), risen_(risen) {}
 
   /// When the column is due for the first time.
   void set_due(VertexIndex v);
@@ -99,11 +101,9 @@ class Climber {
   };
   FrontColumn& column(VertexIndex v) { return front_.columns[v]; }
   const FrontColumn& column(VertexIndex v) const { return front_.columns[v]; }
-  FrontTriangle& triangle(const Spoke& spoke) {
-    return front_.triangles[static_cast<std::size_t>(spoke.piece)];
-  }
-  const FrontTriangle& triangle(const Spoke& spoke) const {
-    return front_.triangles[static_cast<std::size_t>(spoke.piece)];
+  FrontTriangle& triangle(Piece piece) {
+    const auto i = static_cast<std::size_t>(piece), first = front_.triangles.size();
+    return i < first ? front_.triangles[i] : added_[i - first];
   }
   const Point3& at(VertexIndex v) const { return column(v).at; }
 
@@ -127,11 +127,11 @@ class Climber {
   }
   void add_other(VertexIndex v) {
     done_.others.push_back(v);
-    if (tells_risen_) done_.risen.push_back(column(v).risen);
+    if (risen_ != nullptr) risen_->push_back(column(v).risen);
   }
   /// By the nth cell of the step of v.
   void cover(const Spoke& spoke, VertexIndex v, std::int32_t nth) {
-    if (!std::exchange(triangle(spoke).is_lid, false)) return;
+    if (!std::exchange(triangle(spoke.piece).is_lid, false)) return;
     done_.covered.push_back({TriangleIndex(spoke.piece), v, column(v).cells + nth});
   }
   void add_poor(VertexIndex v) {
@@ -145,8 +145,11 @@ class Climber {
   void repeat(VertexIndex v, const FrontRecord::Step& step);
 
   Front& front_;
+  std::span<const double> shares_;
   FrontSteps& done_;
-  bool tells_risen_, is_sound_ = true;
+  std::vector<std::int16_t>* risen_;
+  bool is_sound_ = true;
+  std::vector<FrontTriangle> added_;  // under caps of others, numbered after those of the front
   std::vector<Spoke> star_;           // of the vertex that is looked at,
   StarRows rows_;                     // and its points
   std::vector<VertexIndex> waiting_;  // each for the one after it

@@ -123,13 +123,14 @@ FrontRecord::FrontRecord(const FrontPhases& phases, std::span<const std::uint8_t
     : first_(is_kept.size() + 1, 0) {
   const auto for_all = [&](const auto& visit) {
     for (const std::vector<FrontSteps>& tiles : phases)
-      for (const FrontSteps& tile : tiles) {
-        const double* order = tile.orders.data();
-        for_each_step(tile, [&](const FrontStep& step, std::span<const VertexIndex> others) {
+      // Those of a phase have no column in common.
+      parallel_in_order(tiles.size(), [&](std::size_t i) {
+        const double* order = tiles[i].orders.data();
+        for_each_step(tiles[i], [&](const FrontStep& step, std::span<const VertexIndex> others) {
           const double own = *order++;
           if (is_kept[step.vertex] != 0) visit(step, others, own);
         });
-      }
+      });
   };
   for_all([&](const FrontStep& step, auto, double) { ++first_[step.vertex + 1]; });
   std::inclusive_scan(first_.begin(), first_.end(), first_.begin());
@@ -152,13 +153,12 @@ FrontClimb::FrontClimb(const ColumnMesh& mesh, double top, std::size_t tiles)
 FrontClimb::~FrontClimb() = default;
 
 void FrontClimb::start(std::span<const VertexIndex> columns, std::span<const double> shares) {
-  front_->shares = shares;
   parallel_chunks(columns.size(), 4096, [&](std::size_t begin, std::size_t end) {
     for (const VertexIndex v : columns.subspan(begin, end - begin)) start_column(mesh_, v, *front_);
   });
   parallel_chunks(columns.size(), 4096, [&](std::size_t begin, std::size_t end) {
     FrontSteps none;
-    Climber climber(*front_, none);
+    Climber climber(*front_, shares, none);
     for (const VertexIndex v : columns.subspan(begin, end - begin)) {
       front_->turns[v] = {};
       climber.set_due(v);
@@ -191,11 +191,9 @@ FrontPhases FrontClimb::to_top(std::span<const double> shares) {
     std::vector<FrontSteps>& steps = phases.emplace_back(count);
     ++phase_;
     parallel_in_order(count, [&](std::size_t i) {
-      Climber climber(*front_, steps[i]);
+      Climber climber(*front_, shares, steps[i]);
       for (const VertexIndex v : columns[i]) climber.climb(v, phase_);
-      steps[i].steps.shrink_to_fit();
-      steps[i].orders.shrink_to_fit();
-      steps[i].others.shrink_to_fit();
+      steps[i].shrink();
     });
     return true;
   };
@@ -211,10 +209,10 @@ FrontPhases FrontClimb::to_top(std::span<const double> shares) {
   return phases;
 }
 
-std::optional<FrontSteps> FrontClimb::within(std::span<const VertexIndex> columns,
-                                             std::span<const VertexIndex> others,
-                                             const FrontRecord& record,
-                                             std::span<const double> shares) {
+std::optional<StepsWithin> FrontClimb::within(std::span<const VertexIndex> columns,
+                                              std::span<const VertexIndex> others,
+                                              const FrontRecord& record,
+                                              std::span<const double> shares) {
   for (const VertexIndex v : others) {
     start_column(mesh_, v, *front_);
     front_->around[v].clear();
@@ -222,12 +220,14 @@ std::optional<FrontSteps> FrontClimb::within(std::span<const VertexIndex> column
   for (const TriangleIndex t : triangles_around(mesh_.edges, columns))
     start_triangle(mesh_, t, *front_);
   start(columns, shares);
-  FrontSteps steps;
-  const bool is_sound = Climber(*front_, steps, true).climb(columns, others, record);
-  front_->triangles.resize(mesh_.triangle_count());
+  StepsWithin done;
+  const bool is_sound =
+      Climber(*front_, shares, done.steps, &done.risen).climb(columns, others, record);
   for (const VertexIndex v : columns) front_->around[v].clear();
   if (!is_sound) return std::nullopt;
-  return steps;
+  done.steps.shrink();
+  done.risen.shrink_to_fit();
+  return done;
 }
 
 }  // namespace tetropolis

@@ -42,6 +42,12 @@ struct CoveredTriangle {
   std::int32_t nth;    ///< after so many others.
 };
 
+/// How often the column of an entry of FrontSteps::others has risen by then.
+struct Risen {
+  std::uint32_t other;
+  std::int16_t times;
+};
+
 /// Those of a tile, as they are taken.
 struct FrontSteps {
   std::vector<FrontStep> steps;
@@ -50,12 +56,19 @@ struct FrontSteps {
   /// Step by step. Of one that rises: the around + 1 columns around it, counter-clockwise, of which
   /// the last is the first again unless it is at the rim. Of one that ends, three for each cell.
   std::vector<VertexIndex> others;
-  /// Per entry of `others`, how often that column has risen by then. Negative, or empty: as often
-  /// as steps before this one tell.
-  std::vector<std::int32_t> risen;
+  /// Entries of `others`, ascending, whose columns have risen by then otherwise than steps before
+  /// tell.
+  std::vector<Risen> risen;
   std::vector<CoveredTriangle> covered;
   /// Vertices at which cells came below the floor, and those beside them.
   std::vector<VertexIndex> poor;
+
+  /// Gives back the memory that is not used.
+  void shrink() {
+    steps.shrink_to_fit();
+    orders.shrink_to_fit();
+    others.shrink_to_fit();
+  }
 };
 
 /// By phase and tile; tiles of a phase have no column in common, in steps or others.
@@ -94,6 +107,13 @@ void for_each_step(const FrontSteps& steps, const Visit& visit) {
   }
 }
 
+/// Of some columns among others.
+struct StepsWithin {
+  FrontSteps steps;
+  std::vector<std::int16_t>
+      risen;  ///< Per entry of steps.others: how often its column has by then.
+};
+
 struct Front;
 
 /// `shares`: per vertex, of the spacing that segments are to have. See grow_upper().
@@ -108,11 +128,11 @@ class FrontClimb {
   /// All columns, from the lid to the top.
   FrontPhases to_top(std::span<const double> shares);
   /// Some columns, among others that do again what is on record: all that any of them has ever been
-  /// next to, ascending. The steps of the former, with `risen`; nothing if the others cannot do the
+  /// next to, ascending. The steps of the former; nothing if the others cannot do the
   /// same next to these.
-  std::optional<FrontSteps> within(std::span<const VertexIndex> columns,
-                                   std::span<const VertexIndex> others, const FrontRecord& record,
-                                   std::span<const double> shares);
+  std::optional<StepsWithin> within(std::span<const VertexIndex> columns,
+                                    std::span<const VertexIndex> others, const FrontRecord& record,
+                                    std::span<const double> shares);
 
  private:
   void start(std::span<const VertexIndex> columns, std::span<const double> shares);

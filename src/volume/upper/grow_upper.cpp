@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -62,31 +63,31 @@ UpperMesh upper_of(FrontPhases phases, const ColumnMesh& mesh) {
   upper.over_lid.assign(mesh.triangle_count(), kNoCell);
   const CellIndex lowest = cell_offsets(mesh).back();
   std::vector<Counts> next(first.begin(), first.end() - 1);
-  const auto place = [&](VertexIndex v) {
-    if (next[v].nodes == first[v].nodes) return UpperPlace(v.value());
-    return UpperPlace(columns + next[v].nodes - 1);
-  };
+  std::vector<UpperPlace> place(columns);  // per column: its front's
+  std::iota(place.begin(), place.end(), UpperPlace(0));
   const auto take = [&](const FrontSteps& part) {
-    const VertexIndex* other = part.others.data();
-    const std::int32_t* risen = part.risen.empty() ? nullptr : part.risen.data();
+    auto risen = part.risen.begin();
+    std::uint32_t other = 0;
     const auto next_place = [&] {
-      const VertexIndex u = *other++;
-      const std::int32_t by_then = risen == nullptr ? -1 : *risen++;
-      if (by_then < 0) return place(u);
-      if (by_then == 0) return UpperPlace(u.value());
-      return UpperPlace(columns + first[u].nodes + static_cast<std::size_t>(by_then) - 1);
+      const VertexIndex u = part.others[other];
+      const bool is_told = risen != part.risen.end() && risen->other == other;
+      ++other;
+      if (!is_told) return place[u];
+      const std::int16_t times = (risen++)->times;
+      if (times == 0) return UpperPlace(u.value());
+      return UpperPlace(columns + first[u].nodes + static_cast<std::size_t>(times) - 1);
     };
     for (const FrontStep& step : part.steps) {
       const VertexIndex v = step.vertex;
       Counts& own = next[v];
       UpperFan& fan = upper.fans[own.fans++];
-      fan = {place(v), UpperPlace::none(), own.cells, own.others};
+      fan = {place[v], UpperPlace::none(), own.cells, own.others};
       own.cells += static_cast<std::uint32_t>(step.cells());
       for (std::int32_t k = 0; k < step.others(); ++k) upper.others[own.others++] = next_place();
       if (step.is_end()) continue;
       upper.z[own.nodes] = step.to;
-      upper.vertex[own.nodes++] = v;
-      fan.up = place(v);
+      upper.vertex[own.nodes] = v;
+      fan.up = place[v] = UpperPlace(columns + own.nodes++);
     }
     for (const CoveredTriangle& covered : part.covered)
       upper.over_lid[covered.triangle] = lowest + first[covered.vertex].cells + covered.nth;

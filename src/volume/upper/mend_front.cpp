@@ -119,22 +119,47 @@ std::vector<VertexIndex> poor_of(const FrontPhases& phases) {
   return poor;
 }
 
+/// Calls job(i) for all parts: at the same time for those in a row that touch no column in common.
+template <typename Job>
+void for_each_apart(const std::vector<Part>& parts, const FrontRecord& record, std::size_t columns,
+                    const Job& job) {
+  const auto for_each_touched = [&](const Part& part, const auto& visit) {
+    for (const VertexIndex v : part.columns) visit(v);
+    for (const VertexIndex v : part.others) {
+      visit(v);
+      for (const FrontRecord::Step& step : record.steps_of(v))
+        for (const VertexIndex u : step.others()) visit(u);
+    }
+  };
+  std::vector<std::size_t> row_of(columns, 0);  // the last in which it is touched, from 1 on
+  for (std::size_t first = 0, row = 1; first < parts.size(); ++row) {
+    std::size_t end = first;
+    for (bool is_apart = true; end < parts.size(); ++end) {
+      for_each_touched(parts[end], [&](VertexIndex v) { is_apart &= row_of[v] != row; });
+      if (!is_apart) break;
+      for_each_touched(parts[end], [&](VertexIndex v) { row_of[v] = row; });
+    }
+    parallel_in_order(end - first, [&](std::size_t i) { job(first + i); });
+    first = end;
+  }
+}
+
 /// The best steps; none if no round is better than what is on record, where `poor` are poor.
 /// Nothing if they would matter to columns elsewhere.
-std::optional<FrontSteps> best_of_rounds(FrontClimb& climb, const Part& part,
-                                         const FrontRecord& record, std::vector<VertexIndex> poor,
-                                         std::vector<double>& shares) {
-  FrontSteps best;
+std::optional<StepsWithin> best_of_rounds(FrontClimb& climb, const Part& part,
+                                          const FrontRecord& record, std::vector<VertexIndex> poor,
+                                          std::vector<double>& shares) {
+  StepsWithin best;
   std::size_t fewest = poor.size();
   for (int round = 0; round < kMostRounds && fewest > 0; ++round) {
     sort_once(poor);
     for (const VertexIndex v : poor) shares[v] *= kShorter;
-    std::optional<FrontSteps> steps = climb.within(part.columns, part.others, record, shares);
-    if (!steps) return std::nullopt;
-    poor = steps->poor;
+    std::optional<StepsWithin> done = climb.within(part.columns, part.others, record, shares);
+    if (!done) return std::nullopt;
+    poor = done->steps.poor;
     if (poor.size() >= fewest) continue;
     fewest = poor.size();
-    best = std::move(*steps);
+    best = std::move(*done);
   }
   return best;
 }
@@ -144,7 +169,7 @@ class Again {
  public:
   /// `steps`: per part.
   Again(const FrontRecord& before, const std::vector<std::int32_t>& part_of,
-        const std::vector<Part>& parts, const std::vector<FrontSteps>& steps);
+        const std::vector<Part>& parts, const std::vector<StepsWithin>& steps);
   /// Whether columns elsewhere would have done the same as before.
   bool is_complete(const FrontPhases& phases) const;
   /// Precondition: is_complete(phases).
@@ -158,17 +183,17 @@ class Again {
   std::span<const Step> steps_of(VertexIndex v) const {
     return std::span(steps_).subspan(first_[v], first_[v + 1] - first_[v]);
   }
-  const FrontSteps& steps_around(VertexIndex v) const {
+  const StepsWithin& steps_around(VertexIndex v) const {
     return (*new_)[static_cast<std::size_t>((*part_of_)[v])];
   }
   std::span<const VertexIndex> others_of(VertexIndex v, const Step& step) const {
-    return std::span(steps_around(v).others)
+    return std::span(steps_around(v).steps.others)
         .subspan(step.first_other, static_cast<std::size_t>(step.step->others()));
   }
   bool is_same(VertexIndex v, std::span<const FrontRecord::Step> before) const;
 
   const std::vector<std::int32_t>* part_of_;
-  const std::vector<FrontSteps>* new_;
+  const std::vector<StepsWithin>* new_;
   std::vector<std::uint32_t> first_;  // per vertex and one more
   std::vector<Step> steps_;
   std::vector<std::uint8_t> differs_;  // per vertex
@@ -176,14 +201,14 @@ class Again {
 };
 
 Again::Again(const FrontRecord& before, const std::vector<std::int32_t>& part_of,
-             const std::vector<Part>& parts, const std::vector<FrontSteps>& steps)
+             const std::vector<Part>& parts, const std::vector<StepsWithin>& steps)
     : part_of_(&part_of), new_(&steps), first_(part_of.size() + 1, 0), differs_(part_of.size(), 0) {
-  for (const FrontSteps& part : steps)
+  for (const auto& [part, risen] : steps)
     for (const FrontStep& step : part.steps) ++first_[step.vertex + 1];
   std::inclusive_scan(first_.begin(), first_.end(), first_.begin());
   steps_.resize(first_.back());
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-  for (const FrontSteps& part : steps) {
+  for (const auto& [part, risen] : steps) {
     std::size_t other = 0;
     for (const FrontStep& step : part.steps) {
       steps_[next[step.vertex]++] = {&step, other};
@@ -191,7 +216,7 @@ Again::Again(const FrontRecord& before, const std::vector<std::int32_t>& part_of
     }
   }
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (steps[i].steps.empty()) continue;  // It stays as it is.
+    if (steps[i].steps.steps.empty()) continue;  // It stays as it is.
     for (const VertexIndex v : parts[i].columns)
       differs_[v] = is_same(v, before.steps_of(v)) ? 0 : 1;
   }
@@ -237,7 +262,7 @@ bool Again::is_complete(const FrontPhases& phases) const {
 
 void Again::replace_in(FrontPhases& phases) const {
   const auto has_climbed = [&](VertexIndex v) {
-    return (*part_of_)[v] != kNoPart && !steps_around(v).steps.empty();
+    return (*part_of_)[v] != kNoPart && !steps_around(v).steps.steps.empty();
   };
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
   for (std::vector<FrontSteps>& tiles : phases)
@@ -248,37 +273,43 @@ void Again::replace_in(FrontPhases& phases) const {
           std::any_of(tile.steps.begin(), tile.steps.end(),
                       [&](const FrontStep& s) { return has_climbed(s.vertex); });
       if (!is_touched) return;
-      FrontSteps kept;
+      // In place: most tiles are touched.
+      std::size_t steps = 0;
+      std::uint32_t kept = 0;  // of `others`
       for_each_step(tile, [&](const FrontStep& step, std::span<const VertexIndex> others) {
         const VertexIndex v = step.vertex;
         if (differs_[v] != 0) return;
-        const std::size_t begin = kept.others.size();
-        kept.steps.push_back(step);
-        kept.others.insert(kept.others.end(), others.begin(), others.end());
-        kept.risen.resize(kept.others.size(), -1);
-        if (!has_climbed(v)) return;
-        // Columns that differ come after all others.
-        const Step& own = steps_[next[v]++];
-        for (std::size_t k = 0; k < others.size(); ++k)
-          if (differs_[others[k]] != 0)
-            kept.risen[begin + k] = steps_around(v).risen[own.first_other + k];
+        const bool is_own = has_climbed(v);
+        const std::size_t first = is_own ? steps_[next[v]++].first_other : 0;
+        for (std::size_t k = 0; k < others.size(); ++k, ++kept) {
+          const VertexIndex u = others[k];
+          tile.others[kept] = u;
+          // Columns that differ come after all others.
+          if (is_own && differs_[u] != 0)
+            tile.risen.push_back({kept, steps_around(v).risen[first + k]});
+        }
+        tile.steps[steps++] = step;
       });
-      for (const CoveredTriangle& covered : tile.covered)
-        if (!has_climbed(covered.vertex)) kept.covered.push_back(covered);
-      tile = std::move(kept);
+      tile.steps.resize(steps);
+      tile.others.resize(kept);
+      tile.orders = {};
+      tile.poor = {};
+      std::erase_if(tile.covered, [&](const CoveredTriangle& c) { return has_climbed(c.vertex); });
     });
   std::vector<FrontSteps>& last = phases.emplace_back();
-  for (const FrontSteps& part : *new_) {
+  for (const auto& [part, risen] : *new_) {
     FrontSteps& own = last.emplace_back();
     own.covered = part.covered;
-    const std::int32_t* risen = part.risen.data();
+    std::size_t other = 0;
     for_each_step(part, [&](const FrontStep& step, std::span<const VertexIndex> others) {
       if (differs_[step.vertex] != 0) {
         own.steps.push_back(step);
-        own.others.insert(own.others.end(), others.begin(), others.end());
-        own.risen.insert(own.risen.end(), risen, risen + others.size());
+        for (std::size_t k = 0; k < others.size(); ++k) {
+          own.risen.push_back({static_cast<std::uint32_t>(own.others.size()), risen[other + k]});
+          own.others.push_back(others[k]);
+        }
       }
-      risen += others.size();
+      other += others.size();
     });
   }
 }
@@ -300,15 +331,19 @@ bool mend_within(const ColumnMesh& mesh, double reach, std::span<const VertexInd
   if (static_cast<double>(columns) > kMost * static_cast<double>(mesh.vertex_count())) return false;
   const FrontRecord record(phases, is_kept);
   std::vector<double> shares(mesh.vertex_count(), 1.0);
-  std::vector<FrontSteps> steps;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
+  std::vector<StepsWithin> steps(parts.size());
+  std::atomic<bool> is_possible = true;
+  for_each_apart(parts, record, mesh.vertex_count(), [&](std::size_t i) {
     std::vector<VertexIndex> own;
     for (const VertexIndex v : poor)
       if (part_of[v] == static_cast<std::int32_t>(i)) own.push_back(v);
-    std::optional<FrontSteps> best = best_of_rounds(climb, parts[i], record, own, shares);
-    if (!best) return false;
-    steps.push_back(std::move(*best));
-  }
+    std::optional<StepsWithin> best = best_of_rounds(climb, parts[i], record, own, shares);
+    if (best)
+      steps[i] = std::move(*best);
+    else
+      is_possible = false;
+  });
+  if (!is_possible) return false;
   const Again again(record, part_of, parts, steps);
   if (!again.is_complete(phases)) return false;
   again.replace_in(phases);
