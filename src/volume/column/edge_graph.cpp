@@ -1,12 +1,12 @@
 #include "tetropolis/volume/column/edge_graph.h"
 
 #include <algorithm>
-#include <iterator>
 #include <string>
 #include <utility>
 
 #include "tetropolis/core/error.h"
 
+#include "core/parallel.h"
 #include "core/ragged_builder.h"
 #include "core/sort_once.h"
 
@@ -45,38 +45,50 @@ std::array<VertexIndex, 3> sorted_vertices(const std::array<VertexIndex, 3>& tri
 }
 
 EdgeGraph build_edge_graph(const GroundMesh& mesh) {
+  constexpr std::size_t kGrain = 16384;
+  const std::size_t vertices = mesh.vertices.size();
   RaggedArray<Side, std::int32_t> sides = sides_by_lower_vertex(mesh);
   EdgeGraph graph;
-  graph.vertices.reserve(mesh.triangles.size() * 3 / 2 + 64);
-  graph.triangles.reserve(graph.vertices.capacity());
-  graph.of_triangle.resize(mesh.triangles.size());
-  graph.starts.reserve(mesh.vertices.size() + 1);
-  for (const VertexIndex v : mesh.vertices.indices()) {
-    graph.starts.push_back(graph.vertices.next());
-    const std::span<Side> own = sides[v];
-    std::sort(own.begin(), own.end(), [](const Side& a, const Side& b) {
-      return a.upper != b.upper ? a.upper < b.upper : a.triangle < b.triangle;
-    });
-    for (const Side& side : own) {
-      const bool known = &side != own.data() && std::prev(&side)->upper == side.upper;
-      if (!known) {
-        graph.vertices.push_back({v, side.upper});
-        graph.triangles.push_back({side.triangle, kNoTriangle});
-      } else if (graph.triangles.back()[1] == kNoTriangle) {
-        graph.triangles.back()[1] = side.triangle;
-      } else {
-        throw Error(ErrorKind::kGuarantee,
-                    "ground mesh: more than two triangles at the edge between vertices " +
-                        std::to_string(v) + " and " + std::to_string(side.upper));
-      }
-      graph.of_triangle[side.triangle][side.slot] = graph.vertices.next() - 1;
-    }
-  }
-  graph.starts.push_back(graph.vertices.next());
-  graph.ends =
-      ragged_from_pairs<EdgeIndex, std::int32_t>(mesh.vertices.size(), [&](const auto& use) {
-        for (const EdgeIndex e : graph.vertices.indices()) use(graph.vertices[e][1], e);
+  graph.starts.assign(vertices + 1, EdgeIndex(0));  // from 1 on: edges of each, at first
+  parallel_chunks(vertices, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (const VertexIndex v : indices<VertexIndex>(begin, end)) {
+      const std::span<Side> own = sides[v];
+      std::sort(own.begin(), own.end(), [](const Side& a, const Side& b) {
+        return a.upper != b.upper ? a.upper < b.upper : a.triangle < b.triangle;
       });
+      for (std::size_t i = 0; i < own.size(); ++i)
+        if (i == 0 || own[i].upper != own[i - 1].upper) ++graph.starts[v + 1];
+    }
+  });
+  for (const VertexIndex v : mesh.vertices.indices())
+    graph.starts[v + 1] += graph.starts[v].value();
+  graph.vertices.resize(graph.starts.back());
+  graph.triangles.resize(graph.starts.back());
+  graph.of_triangle.resize(mesh.triangles.size());
+  parallel_chunks(vertices, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (const VertexIndex v : indices<VertexIndex>(begin, end)) {
+      const std::span<const Side> own = sides[v];
+      EdgeIndex e = graph.starts[v];
+      for (std::size_t i = 0; i < own.size(); ++i) {
+        const Side& side = own[i];
+        if (i == 0 || own[i - 1].upper != side.upper) {
+          graph.vertices[e] = {v, side.upper};
+          graph.triangles[e] = {side.triangle, kNoTriangle};
+          ++e;
+        } else if (graph.triangles[e - 1][1] == kNoTriangle) {
+          graph.triangles[e - 1][1] = side.triangle;
+        } else {
+          throw Error(ErrorKind::kGuarantee,
+                      "ground mesh: more than two triangles at the edge between vertices " +
+                          std::to_string(v) + " and " + std::to_string(side.upper));
+        }
+        graph.of_triangle[side.triangle][side.slot] = e - 1;
+      }
+    }
+  });
+  graph.ends = ragged_from_pairs<EdgeIndex, std::int32_t>(vertices, [&](const auto& use) {
+    for (const EdgeIndex e : graph.vertices.indices()) use(graph.vertices[e][1], e);
+  });
   return graph;
 }
 

@@ -36,20 +36,28 @@ struct FanCell {
   bool is_found() const { return fan != kNone; }
 };
 
+/// A cell below a triangle.
+struct CellBelow : FanCell {
+  std::size_t turn = 0;  ///< Its top is the triangle turned by so many.
+};
+
 /// Finds cells by their tops. Takes a byte per cell, about.
 class CellsByTop {
  public:
   explicit CellsByTop(const ColumnMesh& mesh);
   /// Precondition: the triangle is counter-clockwise from above. Not found if it is on the lid.
-  FanCell find(const UpperTriangle& top) const {
-    for (std::size_t i = 0; i < 3; ++i)
+  /// Sooner if the corner `likely` is the one that has risen last.
+  CellBelow find(const UpperTriangle& top, std::size_t likely = 0) const {
+    for (std::size_t n = 0, i = likely; n < 3; ++n, i = (i + 1) % 3)
       if (top[i] >= columns_)
-        if (const FanCell found = find_below(turned(top, i)); found.is_found()) return found;
+        if (const FanCell found = find_below(turned(top, i)); found.is_found())
+          return {found, (i + 1) % 3};
     const UpperPlace highest = *std::max_element(top.begin(), top.end());
     for (std::size_t i = begin_[highest]; i < begin_[highest + 1]; ++i) {
       const UpperMesh::Cell cell = upper_.cell(at_ends_[i].fan, at_ends_[i].cell);
       const UpperTriangle other = fan_face(cell, FanFace::kTop);
-      if (other == top || other == turned(top, 1) || other == turned(top, 2)) return at_ends_[i];
+      for (std::size_t turn = 0; turn < 3; ++turn)
+        if (other == turned(top, turn)) return {at_ends_[i], turn};
     }
     return {};
   }

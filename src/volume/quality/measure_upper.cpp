@@ -249,13 +249,20 @@ void FanSweep::measure_whole(std::size_t f) {
   const std::size_t count = cells_of(f);
   const UpperPlace* const others = upper_.others.data() + fan.other;
   const Point3 node = at(fan.node), up = at(fan.up);
+  std::array<Point3, FanRows::kMost + 1> around;
+  for (std::size_t k = 0; k <= count; ++k) around[k] = at(others[k]);
   rows_.start(count);
-  for (std::size_t k = 0; k < count; ++k) rows_.set_point(k, at(others[k]));
   std::size_t below = 0;
   for (std::size_t k = 0; k < count; ++k) {
-    const FanCell found = tops_.find({fan.node, others[k], others[k + 1]});
+    rows_.set_point(k, around[k]);
+    const std::array<const Point3*, 3> corner{&node, &around[k], &around[k + 1]};
+    std::size_t highest = 0;
+    for (std::size_t i = 1; i < 3; ++i)
+      if ((*corner[i])[2] > (*corner[highest])[2]) highest = i;
+    const CellBelow found = tops_.find({fan.node, others[k], others[k + 1]}, highest);
     if (found.is_found()) {
-      const Point3 centre = centre_of(corners(upper_.cell(found.fan, found.cell)));
+      const auto top = [&](std::size_t i) { return *corner[(found.turn + i) % 3]; };
+      const Point3 centre = centre_of({at(upper_.fans[found.fan].node), top(0), top(1), top(2)});
       rows_.set_below(k, &centre);
       ++below;
     } else {
@@ -267,7 +274,7 @@ void FanSweep::measure_whole(std::size_t f) {
   cells_.add_measured(count);
   if (up[2] == top_)
     for (std::size_t k = 0; k < count; ++k)
-      add_top({at(others[k]), at(others[k + 1]), up}, cells_.figures().centre(begin + k));
+      add_top({around[k], around[k + 1], up}, cells_.figures().centre(begin + k));
   if (is_worse)
     measure_faces(f);
   else
