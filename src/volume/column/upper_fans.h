@@ -110,16 +110,16 @@ void visit_faces_of(const UpperMesh& upper, const CellsByTop& tops, std::size_t 
       between(first, end - 1, FanFace::kBefore);
     return;
   }
+  const UpperPlace* const corners = upper.others.data() + upper.fans[f].other;
   constexpr std::array kBelowTop{FanFace::kBottom, FanFace::kBefore, FanFace::kAfter};
   for (std::size_t c = first; c < end; ++c) {
     const Cell cell = upper.cell(f, c);
     for (const FanFace face : kBelowTop) {
       const UpperTriangle own = fan_face(cell, face);
-      const auto is_beyond = [&](std::size_t d) {
-        const Cell other = upper.cell(f, d);
-        for (const FanFace back : kBelowTop)
-          if (fan_face(other, back) == UpperTriangle{own[0], own[2], own[1]}) return true;
-        return false;
+      // All have the fan's node in common.
+      const auto is_beyond = [&, x = own[1], y = own[2]](std::size_t d) {
+        const UpperPlace* const o = corners + 3 * (d - first);
+        return (o[0] == x && o[1] == y) || (o[1] == x && o[2] == y) || (o[2] == x && o[0] == y);
       };
       std::size_t d = first;
       while (d < end && !is_beyond(d)) ++d;

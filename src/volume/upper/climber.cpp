@@ -111,14 +111,13 @@ void Climber::find_star(VertexIndex v) {
   for (std::size_t i = 1; i < n && !column(v).stays; ++i)
     if (triangle(around[i].piece).is_older(triangle(around[first].piece))) first = i;
   star_.clear();
+  rows_.start(n);
   for (std::size_t k = 0, i = first; k < n; ++k) {
     const Neighbour& here = around[i];
     i = i + 1 < around.size() ? i + 1 : 0;
     star_.push_back({here.vertex, around[i].vertex, here.piece});
+    rows_.set(k, at(here.vertex), at(around[i].vertex), triangle(here.piece).centre);
   }
-  rows_.start(n);
-  for (std::size_t k = 0; k < n; ++k)
-    rows_.set(k, at(star_[k].vertex), at(star_[k].next), triangle(star_[k].piece).centre);
 }
 
 /// Spacing as column_spacing() has it, in the front, and longest edge. Precondition: star_ is that

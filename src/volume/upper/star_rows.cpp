@@ -12,7 +12,7 @@ namespace {
 
 using lanes::Vector;
 
-/// The rows, of coordinates the first of three.
+/// The rows, of coordinates the first of three; set() fills the first nine.
 enum Row : std::size_t {
   kA = 0,
   kB = 3,
@@ -80,16 +80,6 @@ void StarRows::start(std::size_t count) {
     stride_ = lanes_ + 1;
     rows_.resize(kRows * stride_);
   }
-}
-
-void StarRows::set(std::size_t n, const Point3& a, const Point3& b, const Point3& below) {
-  const std::size_t end = n + 1 < count_ ? n + 1 : lanes_;
-  for (std::size_t c = 0; c < 3; ++c)
-    for (std::size_t k = n; k < end; ++k) {
-      row(kA + c)[k] = a[c];
-      row(kB + c)[k] = b[c];
-      row(kBelow + c)[k] = below[c];
-    }
 }
 
 StarSizes StarRows::sizes_around(const Point3& column) {

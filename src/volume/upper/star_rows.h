@@ -27,7 +27,17 @@ class StarRows {
   void start(std::size_t count);
   /// The nth triangle is from the column to `a` and `b`, over a cell with this centre. All are to
   /// be set, in this order.
-  void set(std::size_t n, const Point3& a, const Point3& b, const Point3& below);
+  void set(std::size_t n, const Point3& a, const Point3& b, const Point3& below) {
+    const std::size_t end = n + 1 < count_ ? n + 1 : lanes_;
+    for (std::size_t k = n; k < end; ++k) {
+      double* at = rows_.data() + k;
+      for (const Point3* const point : {&a, &b, &below})
+        for (const double x : *point) {
+          *at = x;
+          at += stride_;
+        }
+    }
+  }
 
   StarSizes sizes_around(const Point3& column);
   /// If the column rises by cells over all triangles. `is_closed`: the last triangle is beside the
