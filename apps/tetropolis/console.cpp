@@ -149,7 +149,7 @@ RunHooks Console::hooks(RunProgress& progress) {
   };
   hooks.step_ends = [this, &progress](const StepTime& step) {
 #ifdef __GLIBC__
-    malloc_trim(0);  // What small blocks were, of all threads: left alone, it stays resident.
+    malloc_trim(0);  // Left alone, what threads have freed in small blocks stays resident.
 #endif
     progress.end(step);
     const std::string text = fmt::format("{}  {:<30} {:6.2f} s", step.id, step.name, step.seconds);

@@ -110,8 +110,8 @@ void for_each_step(const FrontSteps& steps, const Visit& visit) {
 /// Of some columns among others.
 struct StepsWithin {
   FrontSteps steps;
-  std::vector<std::int16_t>
-      risen;  ///< Per entry of steps.others: how often its column has by then.
+  /// Per entry of steps.others: how often its column has risen by then.
+  std::vector<std::int16_t> risen;
 };
 
 struct Front;
@@ -128,8 +128,8 @@ class FrontClimb {
   /// All columns, from the lid to the top.
   FrontPhases to_top(std::span<const double> shares);
   /// Some columns, among others that do again what is on record: all that any of them has ever been
-  /// next to, ascending. The steps of the former; nothing if the others cannot do the
-  /// same next to these.
+  /// next to, ascending. The steps of the former; nothing if the others cannot do the same next to
+  /// these.
   std::optional<StepsWithin> within(std::span<const VertexIndex> columns,
                                     std::span<const VertexIndex> others, const FrontRecord& record,
                                     std::span<const double> shares);
