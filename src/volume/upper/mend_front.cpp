@@ -203,14 +203,14 @@ class Again {
 Again::Again(const FrontRecord& before, const std::vector<std::int32_t>& part_of,
              const std::vector<Part>& parts, const std::vector<StepsWithin>& steps)
     : part_of_(&part_of), new_(&steps), first_(part_of.size() + 1, 0), differs_(part_of.size(), 0) {
-  for (const auto& [part, risen] : steps)
-    for (const FrontStep& step : part.steps) ++first_[step.vertex + 1];
+  for (const StepsWithin& part : steps)
+    for (const FrontStep& step : part.steps.steps) ++first_[step.vertex + 1];
   std::inclusive_scan(first_.begin(), first_.end(), first_.begin());
   steps_.resize(first_.back());
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-  for (const auto& [part, risen] : steps) {
+  for (const StepsWithin& part : steps) {
     std::size_t other = 0;
-    for (const FrontStep& step : part.steps) {
+    for (const FrontStep& step : part.steps.steps) {
       steps_[next[step.vertex]++] = {&step, other};
       other += static_cast<std::size_t>(step.others());
     }
@@ -297,15 +297,16 @@ void Again::replace_in(FrontPhases& phases) const {
       std::erase_if(tile.covered, [&](const CoveredTriangle& c) { return has_climbed(c.vertex); });
     });
   std::vector<FrontSteps>& last = phases.emplace_back();
-  for (const auto& [part, risen] : *new_) {
+  for (const StepsWithin& part : *new_) {
     FrontSteps& own = last.emplace_back();
-    own.covered = part.covered;
+    own.covered = part.steps.covered;
     std::size_t other = 0;
-    for_each_step(part, [&](const FrontStep& step, std::span<const VertexIndex> others) {
+    for_each_step(part.steps, [&](const FrontStep& step, std::span<const VertexIndex> others) {
       if (differs_[step.vertex] != 0) {
         own.steps.push_back(step);
         for (std::size_t k = 0; k < others.size(); ++k) {
-          own.risen.push_back({static_cast<std::uint32_t>(own.others.size()), risen[other + k]});
+          own.risen.push_back(
+              {static_cast<std::uint32_t>(own.others.size()), part.risen[other + k]});
           own.others.push_back(others[k]);
         }
       }
