@@ -23,6 +23,11 @@ struct Side {
 
 constexpr std::array<std::array<std::uint32_t, 2>, 3> kSides = {{{0, 1}, {0, 2}, {1, 2}}};
 
+/// Whether sides before this one, of those of a vertex in order, are of other edges.
+bool begins_edge(std::span<const Side> sides, std::size_t i) {
+  return i == 0 || sides[i - 1].upper != sides[i].upper;
+}
+
 /// Per vertex: the sides that it is the lower vertex of.
 RaggedArray<Side, std::int32_t> sides_by_lower_vertex(const GroundMesh& mesh) {
   return ragged_from_pairs<Side, std::int32_t>(mesh.vertices.size(), [&](const auto& use) {
@@ -57,7 +62,7 @@ EdgeGraph build_edge_graph(const GroundMesh& mesh) {
         return a.upper != b.upper ? a.upper < b.upper : a.triangle < b.triangle;
       });
       for (std::size_t i = 0; i < own.size(); ++i)
-        if (i == 0 || own[i].upper != own[i - 1].upper) ++graph.starts[v + 1];
+        if (begins_edge(own, i)) ++graph.starts[v + 1];
     }
   });
   for (const VertexIndex v : mesh.vertices.indices())
@@ -71,7 +76,7 @@ EdgeGraph build_edge_graph(const GroundMesh& mesh) {
       EdgeIndex e = graph.starts[v];
       for (std::size_t i = 0; i < own.size(); ++i) {
         const Side& side = own[i];
-        if (i == 0 || own[i - 1].upper != side.upper) {
+        if (begins_edge(own, i)) {
           graph.vertices[e] = {v, side.upper};
           graph.triangles[e] = {side.triangle, kNoTriangle};
           ++e;

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "tetropolis/core/raw_vector.h"
+#include "tetropolis/core/buffer.h"
 
 #include "core/infinity.h"
 #include "front.h"
@@ -61,10 +61,9 @@ struct Neighbour {
 /// The front.
 struct Front {
   double top = 0;
-  // Each is set where it starts.
-  RawVector<FrontColumn> columns;      // per vertex
-  RawVector<Turn> turns;               // per vertex
-  RawVector<FrontTriangle> triangles;  // by triangle of the ground mesh
+  std::vector<FrontColumn> columns;  // per vertex
+  std::vector<Turn> turns;           // per vertex
+  Buffer<FrontTriangle> triangles;   // by triangle of the ground mesh
   /// Per vertex, counter-clockwise, at the rim from there to there; none where it has ended, or
   /// does not climb now.
   std::vector<std::vector<Neighbour>> around;

@@ -220,14 +220,14 @@ std::optional<StepsWithin> FrontClimb::within(std::span<const VertexIndex> colum
   for (const TriangleIndex t : triangles_around(mesh_.edges, columns))
     start_triangle(mesh_, t, *front_);
   start(columns, shares);
-  StepsWithin done;
+  StepsWithin result;
   const bool is_sound =
-      Climber(*front_, shares, done.steps, &done.risen).climb(columns, others, record);
+      Climber(*front_, shares, result.done, &result.risen).climb(columns, others, record);
   for (const VertexIndex v : columns) front_->around[v].clear();
   if (!is_sound) return std::nullopt;
-  done.steps.shrink();
-  done.risen.shrink_to_fit();
-  return done;
+  result.done.shrink();
+  result.risen.shrink_to_fit();
+  return result;
 }
 
 }  // namespace tetropolis

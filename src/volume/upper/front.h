@@ -109,8 +109,8 @@ void for_each_step(const FrontSteps& steps, const Visit& visit) {
 
 /// Of some columns among others.
 struct StepsWithin {
-  FrontSteps steps;
-  /// Per entry of steps.others: how often its column has risen by then.
+  FrontSteps done;
+  /// Per entry of done.others: how often its column has risen by then.
   std::vector<std::int16_t> risen;
 };
 

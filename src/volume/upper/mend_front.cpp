@@ -154,12 +154,12 @@ std::optional<StepsWithin> best_of_rounds(FrontClimb& climb, const Part& part,
   for (int round = 0; round < kMostRounds && fewest > 0; ++round) {
     sort_once(poor);
     for (const VertexIndex v : poor) shares[v] *= kShorter;
-    std::optional<StepsWithin> done = climb.within(part.columns, part.others, record, shares);
-    if (!done) return std::nullopt;
-    poor = done->steps.poor;
+    std::optional<StepsWithin> again = climb.within(part.columns, part.others, record, shares);
+    if (!again) return std::nullopt;
+    poor = again->done.poor;
     if (poor.size() >= fewest) continue;
     fewest = poor.size();
-    best = std::move(*done);
+    best = std::move(*again);
   }
   return best;
 }
@@ -187,7 +187,7 @@ class Again {
     return (*new_)[static_cast<std::size_t>((*part_of_)[v])];
   }
   std::span<const VertexIndex> others_of(VertexIndex v, const Step& step) const {
-    return std::span(steps_around(v).steps.others)
+    return std::span(steps_around(v).done.others)
         .subspan(step.first_other, static_cast<std::size_t>(step.step->others()));
   }
   bool is_same(VertexIndex v, std::span<const FrontRecord::Step> before) const;
@@ -204,19 +204,19 @@ Again::Again(const FrontRecord& before, const std::vector<std::int32_t>& part_of
              const std::vector<Part>& parts, const std::vector<StepsWithin>& steps)
     : part_of_(&part_of), new_(&steps), first_(part_of.size() + 1, 0), differs_(part_of.size(), 0) {
   for (const StepsWithin& part : steps)
-    for (const FrontStep& step : part.steps.steps) ++first_[step.vertex + 1];
+    for (const FrontStep& step : part.done.steps) ++first_[step.vertex + 1];
   std::inclusive_scan(first_.begin(), first_.end(), first_.begin());
   steps_.resize(first_.back());
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
   for (const StepsWithin& part : steps) {
     std::size_t other = 0;
-    for (const FrontStep& step : part.steps.steps) {
+    for (const FrontStep& step : part.done.steps) {
       steps_[next[step.vertex]++] = {&step, other};
       other += static_cast<std::size_t>(step.others());
     }
   }
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (steps[i].steps.steps.empty()) continue;  // It stays as it is.
+    if (steps[i].done.steps.empty()) continue;  // It stays as it is.
     for (const VertexIndex v : parts[i].columns)
       differs_[v] = is_same(v, before.steps_of(v)) ? 0 : 1;
   }
@@ -262,7 +262,7 @@ bool Again::is_complete(const FrontPhases& phases) const {
 
 void Again::replace_in(FrontPhases& phases) const {
   const auto has_climbed = [&](VertexIndex v) {
-    return (*part_of_)[v] != kNoPart && !steps_around(v).steps.steps.empty();
+    return (*part_of_)[v] != kNoPart && !steps_around(v).done.steps.empty();
   };
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
   for (std::vector<FrontSteps>& tiles : phases)
@@ -299,9 +299,9 @@ void Again::replace_in(FrontPhases& phases) const {
   std::vector<FrontSteps>& last = phases.emplace_back();
   for (const StepsWithin& part : *new_) {
     FrontSteps& own = last.emplace_back();
-    own.covered = part.steps.covered;
+    own.covered = part.done.covered;
     std::size_t other = 0;
-    for_each_step(part.steps, [&](const FrontStep& step, std::span<const VertexIndex> others) {
+    for_each_step(part.done, [&](const FrontStep& step, std::span<const VertexIndex> others) {
       if (differs_[step.vertex] != 0) {
         own.steps.push_back(step);
         for (std::size_t k = 0; k < others.size(); ++k) {

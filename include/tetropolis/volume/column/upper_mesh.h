@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "tetropolis/core/raw_vector.h"
+#include "tetropolis/core/buffer.h"
 #include "tetropolis/ground/ground_mesh.h"
 
 namespace tetropolis {
@@ -36,13 +36,13 @@ struct UpperMesh {
   static constexpr std::size_t kBlock = 64;
   using Cell = std::array<UpperPlace, 4>;
 
-  RawVector<double> z;            ///< Per node: elevation.
-  RawVector<VertexIndex> vertex;  ///< Per node, that of the ground mesh below it.
-  RawVector<UpperFan> fans;       ///< By cells, and one more that is not there.
+  Buffer<double> z;            ///< Per node: elevation.
+  Buffer<VertexIndex> vertex;  ///< Per node, that of the ground mesh below it.
+  Buffer<UpperFan> fans;       ///< By cells, and one more that is not there.
   /// Of a fan that goes up: what is around it, counter-clockwise, one more than it has cells: each
   /// is between two that follow each other. Of one that ends: three for each cell, which is under
   /// them.
-  RawVector<UpperPlace> others;
+  Buffer<UpperPlace> others;
   std::vector<std::uint32_t> fan_of_block;  ///< Which one has the first cell of each block.
   std::vector<CellIndex> over_lid;          ///< Per triangle of the ground mesh: the upper part's
                                             ///< cell on top of its stack, or kNoCell.
