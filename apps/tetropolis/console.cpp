@@ -138,7 +138,9 @@ RunHooks Console::hooks(RunProgress& progress) {
   RunHooks hooks;
   hooks.cancelled = interrupted;
   hooks.output = watch_output();
-  hooks.tell = [this](const std::string& text) { line(with_options(text)); };
+  // Where nobody reads it, its making is spared: it looks up places in PROJ's database.
+  if (!quiet_ || log_ != nullptr)
+    hooks.tell = [this](const std::string& text) { line(with_options(text)); };
   hooks.step_begins = [this, &progress](const StepTime& step) {
     stage_line(progress.begin(step));
     draw_bar(progress);
