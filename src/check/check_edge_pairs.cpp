@@ -11,6 +11,7 @@
 #include "city_parts.h"
 #include "core/infinity.h"
 #include "core/parallel.h"
+#include "core/parallel_sort.h"
 #include "geometry/grid_index.h"
 #include "segment_distance.h"
 #include "violations.h"

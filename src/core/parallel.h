@@ -6,25 +6,27 @@
 #include <atomic>
 #include <cstddef>
 #include <exception>
+#include <functional>
 #include <limits>
 #include <mutex>
 #include <utility>
 #include <vector>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_pipeline.h>
-#include <tbb/parallel_sort.h>
-
-#ifdef TETROPOLIS_PLAIN_THREADS  // under the thread sanitizer
-#include <algorithm>
-
-#include "tetropolis/core/threads.h"
-
-#include "plain_threads.h"
-#endif
-
 namespace tetropolis {
+
+/// What the loops below are made of; calls throw nothing unless said otherwise.
+namespace threads {
+
+/// Calls body(i) for all of [0, size), in no particular order and possibly at the same time.
+void for_each(std::size_t size, const std::function<void(std::size_t)>& body);
+
+/// Calls make(i) for all of [0, size), possibly at the same time, and use(i), which may throw, in
+/// order and one at a time; at most `slots` > 0 items are under way. Throws what use throws first;
+/// nothing behind is used.
+void pipeline(std::size_t size, std::size_t slots, const std::function<void(std::size_t)>& make,
+              const std::function<void(std::size_t)>& use);
+
+}  // namespace threads
 
 /// The grain that cuts [0, size) into `chunks` at most: for chunks with large temporary data.
 inline std::size_t grain_of_chunks(std::size_t size, std::size_t chunks = 64) {
@@ -78,16 +80,7 @@ void parallel_chunks(std::size_t size, std::size_t grain, const Body& body) {
     const std::size_t begin = c * grain;
     failure.run(c, [&] { body(begin, begin + grain < size ? begin + grain : size); });
   };
-#ifdef TETROPOLIS_PLAIN_THREADS
-  plain_threads::for_each(chunks, thread_count(), run);
-#else
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, chunks, 1),
-      [&](const tbb::blocked_range<std::size_t>& range) {
-        for (std::size_t c = range.begin(); c != range.end(); ++c) run(c);
-      },
-      tbb::simple_partitioner());
-#endif
+  threads::for_each(chunks, run);
   failure.rethrow();
 }
 
@@ -117,27 +110,12 @@ void parallel_pipeline(std::size_t size, std::vector<Slot>& slots, const Make& m
   const auto slot_of = [&](std::size_t number) -> Slot& { return slots[number % slots.size()]; };
   const auto fill = [&](std::size_t number) {
     if (!failure.is_before(number)) failure.run(number, [&] { make(number, slot_of(number)); });
-    return number;
   };
   const auto empty = [&](std::size_t number) {
     if (failure.is_before(number + 1)) failure.rethrow();
     use(number, slot_of(number));
   };
-#ifdef TETROPOLIS_PLAIN_THREADS
-  plain_threads::pipeline(size, slots.size(), thread_count(), fill, empty);
-#else
-  std::size_t next = 0;
-  const auto take = [&](tbb::flow_control& control) -> std::size_t {
-    if (next < size) return next++;
-    control.stop();
-    return size;
-  };
-  using tbb::filter_mode;
-  tbb::parallel_pipeline(
-      slots.size(), tbb::make_filter<void, std::size_t>(filter_mode::serial_in_order, take) &
-                        tbb::make_filter<std::size_t, std::size_t>(filter_mode::parallel, fill) &
-                        tbb::make_filter<std::size_t, void>(filter_mode::serial_in_order, empty));
-#endif
+  threads::pipeline(size, slots.size(), fill, empty);
 }
 
 /// Combines map(begin, end) over the chunks of [0, size) from left to right:
@@ -158,16 +136,6 @@ Value parallel_reduce_ordered(std::size_t size, std::size_t grain, Value identit
   Value result = std::move(identity);
   for (const Partial& part : partial) result = combine(std::move(result), part.value);
   return result;
-}
-
-/// Sorts [begin, end) by a strict total order `less` (ties would make the order depend on threads).
-template <typename Iterator, typename Less>
-void parallel_sort(Iterator begin, Iterator end, const Less& less) {
-#ifdef TETROPOLIS_PLAIN_THREADS
-  std::sort(begin, end, less);
-#else
-  tbb::parallel_sort(begin, end, less);
-#endif
 }
 
 }  // namespace tetropolis

@@ -1,4 +1,5 @@
 #include "core/parallel.h"
+#include "core/parallel_sort.h"
 
 #include <algorithm>
 #include <atomic>

@@ -5,6 +5,7 @@
 
 #include "core/infinity.h"
 #include "core/parallel.h"
+#include "core/parallel_sort.h"
 #include "upper_fans.h"
 
 namespace tetropolis {
