@@ -1,5 +1,4 @@
 #include "core/parallel.h"
-#include "core/parallel_sort.h"
 
 #include <algorithm>
 #include <atomic>
@@ -13,6 +12,7 @@
 
 #include "tetropolis/core/threads.h"
 
+#include "core/parallel_sort.h"
 #include "support/test_data.h"
 
 namespace tetropolis {

@@ -1,6 +1,7 @@
 #include "city/roofs/clear_lines.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <functional>
@@ -49,10 +50,11 @@ struct Conflict {
   }
 };
 
-/// Something that may be done, and its cost.
+/// Something that may be done to lines around nodes, and its cost.
 struct Way {
   double cost;
-  std::function<bool()> go;  ///< False: it cannot be done.
+  std::array<NodeId, 3> nodes;  ///< kNone: fewer.
+  std::function<bool()> go;     ///< False: it cannot be done.
 };
 
 class Clearing {
@@ -126,9 +128,13 @@ class Clearing {
     Bounds2 box = Bounds2::nothing();
     box.extend(lines_.at(edge.a));
     box.extend(lines_.at(edge.b));
+    constexpr double kRounding = 1e-6;
+    const Bounds2 reach = box.grown(options_.clearance + kRounding);
     lines_.for_each_edge_near(box.grown(options_.clearance), [&](EdgeId other) {
-      for (const NodeId n : {lines_.edge(other).a, lines_.edge(other).b})
+      for (const NodeId n : {lines_.edge(other).a, lines_.edge(other).b}) {
+        if (!reach.contains(lines_.at(n))) continue;
         if (const double d = nearness(n, e); d < options_.clearance) visit(Conflict{d, e, n});
+      }
     });
     for (const NodeId n : {edge.a, edge.b})
       for (const EdgeId f : lines_.node(n).edges)
@@ -213,27 +219,28 @@ class Clearing {
 
   // ---------------------------------------------------------------- what can be done
 
-  /// Does something to lines around nodes, and lets the points know.
-  bool change(std::vector<NodeId> nodes, const std::function<bool()>& what) {
+  /// Does it, and lets the points know.
+  bool go(const Way& way) {
     Bounds2 box = Bounds2::nothing();
     const auto extend = [&] {
-      for (const NodeId n : nodes) {
+      for (const NodeId n : way.nodes) {
+        if (n == kNone) break;
         box.extend(lines_.at(n));
         for (const EdgeId e : lines_.node(n).edges) box.extend(lines_.at(lines_.edge(e).other(n)));
       }
     };
     extend();
-    if (!what()) return false;
+    if (!way.go()) return false;
+    if (way.nodes[0] == kNone) return true;
     extend();
     lines_.tidy();
     points_.update(box, lines_);
     return true;
   }
 
-  void add(double cost, std::vector<NodeId> nodes, std::function<bool()> what) {
-    ways_.push_back({cost, [this, nodes = std::move(nodes), what = std::move(what)] {
-                       return change(nodes, what);
-                     }});
+  template <typename Go>
+  void add(double cost, std::array<NodeId, 3> nodes, Go go) {
+    ways_.push_back({cost, nodes, std::move(go)});
   }
 
   void offer_collapse(EdgeId e) {
@@ -243,7 +250,7 @@ class Clearing {
     };
     const auto offer = [&](NodeId kept, Point2 to) {
       const NodeId gone = lines_.edge(e).other(kept);
-      add(cost_of_move(a, to, e) + cost_of_move(b, to, e), {a, b},
+      add(cost_of_move(a, to, e) + cost_of_move(b, to, e), {a, b, kNone},
           [this, e, kept, gone, to] { return gone != kNone && lines_.collapse(e, kept, to); });
     };
     if (rank(a) >= rank(b)) offer(a, lines_.at(a));
@@ -254,7 +261,7 @@ class Clearing {
   void offer_straightening(NodeId n) {
     const Partition::Node& node = lines_.node(n);
     if (node.corner || node.on_outline || node.edges.size() != 2) return;
-    add(cost_of_straightening(n), {n}, [this, n] { return lines_.straighten(n); });
+    add(cost_of_straightening(n), {n, kNone, kNone}, [this, n] { return lines_.straighten(n); });
   }
 
   /// Places near to a node where it may go.
@@ -293,8 +300,13 @@ class Clearing {
   }
 
   void offer_moves(NodeId n) {
-    for (const Point2 to : places_near(n))
-      add(cost_of_move(n, to), {n}, [this, n, to] { return move_if_clear(n, to); });
+    const std::vector<Point2> places = places_near(n);
+    std::vector<double> costs(places.size(), 0);
+    for (const EdgeId e : lines_.node(n).edges)
+      points_.add_costs_of_moves(lines_.at(n), lines_.at(lines_.edge(e).other(n)), places,
+                                 left_of(e, n), right_of(e, n), costs);
+    for (std::size_t k = 0; k < places.size(); ++k)
+      add(costs[k], {n, kNone, kNone}, [this, n, to = places[k]] { return move_if_clear(n, to); });
   }
 
   void offer_merges(const std::vector<NodeId>& nodes, EdgeId e) {
@@ -311,10 +323,10 @@ class Clearing {
   }
 
   void offer_merge(Region a, Region b) {
-    ways_.push_back({points_.cost_of_merging(a, b), [this, a, b] {
-                       merge(a, b);
-                       return true;
-                     }});
+    add(points_.cost_of_merging(a, b), {kNone, kNone, kNone}, [this, a, b] {
+      merge(a, b);
+      return true;
+    });
   }
 
   void merge(Region a, Region b) {
@@ -401,7 +413,7 @@ class Clearing {
           const double far = step * options_.clearance;
           const Point2 x{a.x + far * std::cos(direction), a.y + far * std::sin(direction)};
           if (distance(x, b) > options_.clearance && may_bend(e, end, x))
-            add(cost_of_bend(e, end, x), {end, lines_.edge(e).other(end)},
+            add(cost_of_bend(e, end, x), {end, lines_.edge(e).other(end), kNone},
                 [this, e, x] { return lines_.bend(e, x); });
         }
     }
@@ -483,14 +495,14 @@ class Clearing {
     // One roof for two regions fits no better than two: that takes long to find out.
     std::size_t tried = 0;
     for (; tried < ways_.size() && ways_[tried].cost <= 0; ++tried)
-      if (ways_[tried].go()) return true;
+      if (go(ways_[tried])) return true;
     ways_.erase(ways_.begin(), ways_.begin() + static_cast<std::ptrdiff_t>(tried));
     for (const auto& [a, b] : merges_) offer_merge(a, b);
     std::stable_sort(ways_.begin(), ways_.end(), by_cost);
     for (const Way& way : ways_) {
       is_too_costly_ = way.cost > options_.most_cost;
       if (is_too_costly_) return false;
-      if (way.go()) return true;
+      if (go(way)) return true;
     }
     return false;
   }

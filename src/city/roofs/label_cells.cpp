@@ -125,9 +125,10 @@ class MemberLabels {
 
   void choose() {
     std::fill(labels_.begin(), labels_.end(), 0);
+    own_costs_.assign(costs_.begin(), costs_.begin() + static_cast<std::ptrdiff_t>(own_.size()));
     for (Label k = 1; index(k) < count(); ++k)
       for (std::size_t i = 0; i < own_.size(); ++i)
-        if (cost(i, k) < cost(i, labels_[i])) labels_[i] = k;
+        if (cost(i, k) < own_costs_[i]) set_label(i, k);
     constexpr int kRounds = 3;
     bool changed = true;
     for (int round = 0; round < kRounds && changed; ++round) {
@@ -136,15 +137,32 @@ class MemberLabels {
     }
   }
 
+  void set_label(std::size_t i, Label k) {
+    labels_[i] = k;
+    own_costs_[i] = cost(i, k);
+  }
+
   /// The cells that may take a label: those near to such as have it or would rather have it.
   std::vector<std::int32_t> candidates(Label k) {
     constexpr std::int32_t kSteps = 6;
     std::vector<std::int32_t> queue;
-    for (std::size_t i = 0; i < own_.size(); ++i)
-      if (labels_[i] == k || cost(i, k) < cost(i, labels_[i])) {
+    const std::int32_t* const costs = costs_.data() + index(k) * own_.size();
+    const auto would = [&](std::size_t i) {
+      return static_cast<int>(labels_[i] == k) | static_cast<int>(costs[i] < own_costs_[i]);
+    };
+    constexpr std::size_t kBlock =
+        64;  // Most have no such cell, which a loop of vectors finds out.
+    for (std::size_t begin = 0; begin < own_.size(); begin += kBlock) {
+      const std::size_t end = std::min(begin + kBlock, own_.size());
+      int any = 0;
+      for (std::size_t i = begin; i < end; ++i) any |= would(i);
+      if (any == 0) continue;
+      for (std::size_t i = begin; i < end; ++i) {
+        if (would(i) == 0) continue;
         steps_[i] = 0;
         queue.push_back(static_cast<std::int32_t>(i));
       }
+    }
     for (std::size_t q = 0; q < queue.size(); ++q) {
       const std::int32_t i = queue[q];
       if (steps_[index(i)] == kSteps) continue;
@@ -169,7 +187,7 @@ class MemberLabels {
     MaxFlow flow(active.size());
     for (std::size_t a = 0; a < active.size(); ++a) {
       const std::size_t i = index(active[a]);
-      keep[a] += cost(i, labels_[i]);
+      keep[a] += own_costs_[i];
       take[a] += cost(i, k);
       for (std::size_t e = 0; e < 3; ++e) {
         const std::int32_t n = neighbour(i, e);
@@ -197,7 +215,7 @@ class MemberLabels {
     for (std::size_t a = 0; a < active.size(); ++a) {
       node_[index(active[a])] = -1;
       if (flow.on_source_side(static_cast<std::int32_t>(a))) continue;
-      labels_[index(active[a])] = k;
+      set_label(index(active[a]), k);
       changed = true;
     }
     return changed;
@@ -312,10 +330,11 @@ class MemberLabels {
   double lowest_ = std::numeric_limits<double>::infinity();
   double highest_ = -std::numeric_limits<double>::infinity();
   std::vector<RoofPlane> planes_;
-  std::vector<Bounds2> boxes_;       ///< Per plane: of what it was found at.
-  std::vector<std::int32_t> costs_;  ///< Per plane and cell.
-  std::vector<Label> labels_;        ///< Per cell.
-  std::vector<std::int32_t> piece_;  ///< Per cell.
+  std::vector<Bounds2> boxes_;           ///< Per plane: of what it was found at.
+  std::vector<std::int32_t> costs_;      ///< Per plane and cell.
+  std::vector<Label> labels_;            ///< Per cell.
+  std::vector<std::int32_t> own_costs_;  ///< Per cell, of its label: while labels are chosen.
+  std::vector<std::int32_t> piece_;      ///< Per cell.
   std::vector<Label> piece_label_;
   std::vector<double> piece_area_;
   std::vector<std::int32_t> steps_, node_;  ///< Per cell, -1 but while a label expands.

@@ -58,8 +58,6 @@ std::array<std::size_t, 4> Partition::cells(const Bounds2& box) const {
           cell(box.xmax - box_.xmin, columns_), cell(box.ymax - box_.ymin, rows_)};
 }
 
-Bounds2 Partition::box_of(EdgeId e) const { return box_around({at(edges_[e].a), at(edges_[e].b)}); }
-
 Partition::NodeId Partition::add_node(Point2 p, bool corner, bool on_outline) {
   nodes_.push_back({p, corner, on_outline});
   return nodes_.size() - 1;
@@ -85,6 +83,9 @@ Partition::EdgeId Partition::add_edge(NodeId a, NodeId b, Region left, Region ri
 }
 
 void Partition::remove(EdgeId e) {
+  const std::array<std::size_t, 4> range = cells(box_of(e));
+  for (std::size_t y = range[1]; y <= range[3]; ++y)
+    for (std::size_t x = range[0]; x <= range[2]; ++x) std::erase(grid_[y * columns_ + x], e);
   edges_[e].alive = false;
   for (const NodeId n : {edges_[e].a, edges_[e].b}) std::erase(nodes_[n].edges, e);
   is_tidy_ = false;

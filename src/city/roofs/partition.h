@@ -2,6 +2,7 @@
 // src/city.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -117,7 +118,10 @@ class Partition {
 
  private:
   std::array<std::size_t, 4> cells(const Bounds2& box) const;
-  Bounds2 box_of(EdgeId e) const;
+  Bounds2 box_of(EdgeId e) const {
+    const Point2 a = at(edges_[e].a), b = at(edges_[e].b);
+    return {std::min(a.x, b.x), std::min(a.y, b.y), std::max(a.x, b.x), std::max(a.y, b.y)};
+  }
   void enter(EdgeId e);
   void remove(EdgeId e);
   void redirect(EdgeId e, NodeId from, NodeId to);

@@ -13,8 +13,21 @@
 #include "city/roofs/plane_fit.h"
 #include "core/infinity.h"
 #include "core/ragged_builder.h"
+#include "core/wide.h"
+#include "geometry/predicates.h"
 
 namespace tetropolis {
+
+/// An edge from its lower end (x, y) on, up to `top`.
+struct RisingEdge {
+  RisingEdge(Point2 a, Point2 b) {
+    if (a.y > b.y) std::swap(a, b);
+    x = a.x, y = a.y, top = b.y, dx = b.x - a.x, dy = b.y - a.y;
+    per_metre = dx / dy;  // Not used of level edges.
+  }
+  double at(double height) const { return x + (height - y) * per_metre; }
+  double x, y, top, dx, dy, per_metre;
+};
 
 namespace {
 
@@ -32,6 +45,41 @@ std::size_t slot(double distance, std::size_t count) {
   return std::min(static_cast<std::size_t>(std::max(distance, 0.0) / kCell), count - 1);
 }
 
+/// Points whose places in a triangle are told at a time.
+constexpr std::size_t kBatch = 64;
+
+/// As crosses_ray().
+TETROPOLIS_INLINE std::int64_t crosses(const RisingEdge& e, double x, double y) {
+  const std::int64_t is_beside = static_cast<std::int64_t>(e.y > y) ^ (e.top > y ? 1 : 0);
+  return is_beside & (e.dx * (y - e.y) - (x - e.x) * e.dy > 0 ? 1 : 0);
+}
+
+std::array<RisingEdge, 3> edges_of(const std::array<Point2, 3>& triangle) {
+  const auto& [a, b, c] = triangle;
+  return {RisingEdge(a, b), RisingEdge(b, c), RisingEdge(c, a)};
+}
+
+/// Of a triangle that gets another plane, apart from its points.
+double cost_of_area(Point2 a, Point2 b, Point2 c, const RoofPlane& before, const RoofPlane& after) {
+  constexpr double kShare = 0.1;
+  const double size = std::abs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)) / 2;
+  const Point2 middle{(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
+  return kShare * size * huber(std::abs(after(middle) - before(middle)));
+}
+
+/// By the even-odd rule, in a loop that becomes vectors. Returns how many are inside.
+TETROPOLIS_WIDE std::int64_t find_inside(std::size_t count, const std::array<RisingEdge, 3>& edges,
+                                         const double* __restrict x, const double* __restrict y,
+                                         std::int64_t* __restrict is_inside) {
+  const RisingEdge e0 = edges[0], e1 = edges[1], e2 = edges[2];
+  std::int64_t sum = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    is_inside[k] = crosses(e0, x[k], y[k]) ^ crosses(e1, x[k], y[k]) ^ crosses(e2, x[k], y[k]);
+    sum += is_inside[k];
+  }
+  return sum;
+}
+
 }  // namespace
 
 RegionPoints::RegionPoints(const std::vector<Point3>& points, std::vector<double> weights,
@@ -44,6 +92,7 @@ RegionPoints::RegionPoints(const std::vector<Point3>& points, std::vector<double
       region_of_(std::move(region_of)),
       roofs_(std::move(roofs)),
       lists_(roofs_.size()),
+      is_fitted_(roofs_.size(), 0),
       box_(box) {
   columns_ = static_cast<std::size_t>(box_.width() / kCell) + 1;
   rows_ = static_cast<std::size_t>(box_.height() / kCell) + 1;
@@ -62,6 +111,10 @@ RegionPoints::RegionPoints(const std::vector<Point3>& points, std::vector<double
     lists_[index(region_of_[p])].push_back(p);
   }
   grid_ = builder.take();
+  for (const std::uint32_t p : grid_.values) {
+    x_.push_back(points_[p][0]);
+    y_.push_back(points_[p][1]);
+  }
 }
 
 template <typename Visit>
@@ -74,33 +127,50 @@ void RegionPoints::for_each_near(const Bounds2& box, const Visit& visit) const {
       for (const std::uint32_t p : grid_[row_major(x, y, columns_)]) visit(p);
 }
 
-/// The same for the triangle, which may be narrow and at an angle to the grid.
 template <typename Visit>
-void RegionPoints::for_each_near(const std::array<Point2, 3>& triangle, const Visit& visit) const {
-  constexpr double kMargin = 1e-6;  // far beyond rounding, metres
-  const Bounds2 box = bounds(triangle);
-  const std::size_t north = slot(box.ymax - box_.ymin, rows_);
-  for (std::size_t y = slot(box.ymin - box_.ymin, rows_); y <= north; ++y) {
+void RegionPoints::for_each_range(std::span<const RisingEdge> segments, double reach,
+                                  const Visit& visit) const {
+  constexpr double kRounding = 1e-6;  // far beyond, metres
+  const double margin = reach + kRounding;
+  double ymin = kInfinity, ymax = -kInfinity;
+  for (const RisingEdge& e : segments) {
+    ymin = std::min(ymin, e.y);
+    ymax = std::max(ymax, e.top);
+  }
+  const std::size_t north = slot(ymax + margin - box_.ymin, rows_);
+  for (std::size_t y = slot(ymin - margin - box_.ymin, rows_); y <= north; ++y) {
     // Cells at the rim take in what is beyond.
-    const double low = y == 0 ? -kInfinity : box_.ymin + static_cast<double>(y) * kCell - kMargin;
+    const double low = y == 0 ? -kInfinity : box_.ymin + static_cast<double>(y) * kCell - margin;
     const double high =
-        y + 1 == rows_ ? kInfinity : box_.ymin + static_cast<double>(y + 1) * kCell + kMargin;
+        y + 1 == rows_ ? kInfinity : box_.ymin + static_cast<double>(y + 1) * kCell + margin;
     double xmin = kInfinity, xmax = -kInfinity;
-    for (std::size_t i = 0; i < 3; ++i) {
-      Point2 a = triangle[i], b = triangle[(i + 1) % 3];
-      if (a.y > b.y) std::swap(a, b);
-      if (a.y > high || b.y < low) continue;
-      const auto at = [&](double height) {
-        return a.x + (b.x - a.x) * ((height - a.y) / (b.y - a.y));
-      };
-      const double first = a.y < low ? at(low) : a.x, last = b.y > high ? at(high) : b.x;
+    for (const RisingEdge& e : segments) {
+      if (e.y > high || e.top < low) continue;
+      const double first = e.y < low ? e.at(low) : e.x;
+      const double last = e.top > high ? e.at(high) : e.x + e.dx;
       xmin = std::min({xmin, first, last});
       xmax = std::max({xmax, first, last});
     }
-    const std::size_t east = slot(xmax + kMargin - box_.xmin, columns_);
-    for (std::size_t x = slot(xmin - kMargin - box_.xmin, columns_); x <= east; ++x)
-      for (const std::uint32_t p : grid_[row_major(x, y, columns_)]) visit(p);
+    if (xmin > xmax) continue;
+    const std::size_t west = slot(xmin - margin - box_.xmin, columns_);
+    const std::size_t east = slot(xmax + margin - box_.xmin, columns_);
+    visit(static_cast<std::size_t>(grid_.offsets[row_major(west, y, columns_)]),
+          static_cast<std::size_t>(grid_.offsets[row_major(east, y, columns_) + 1]));
   }
+}
+
+template <typename Visit>
+void RegionPoints::for_each_in(const std::array<Point2, 3>& triangle, const Visit& visit) const {
+  const std::array<RisingEdge, 3> edges = edges_of(triangle);
+  std::array<std::int64_t, kBatch> is_inside;
+  for_each_range(edges, 0, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; i += kBatch) {
+      const std::size_t count = std::min(kBatch, end - i);
+      if (find_inside(count, edges, &x_[i], &y_[i], is_inside.data()) == 0) continue;
+      for (std::size_t k = 0; k < count; ++k)
+        if (is_inside[k] != 0) visit(grid_.values[i + k]);
+    }
+  });
 }
 
 double RegionPoints::cost(const RoofPlane& plane, std::uint32_t point) const {
@@ -137,15 +207,42 @@ double RegionPoints::cost_of_triangle(Point2 a, Point2 b, Point2 c, RoofRegion f
   const RoofPlane& before = roof(from).plane;
   const RoofPlane& after = roof(to).plane;
   double sum = 0;
-  for_each_near(std::array{a, b, c}, [&](std::uint32_t p) {
-    const Point2 q{points_[p][0], points_[p][1]};
-    if (crosses_ray(a, b, q) ^ crosses_ray(b, c, q) ^ crosses_ray(c, a, q))
-      sum += cost(after, p) - cost(before, p);
+  for_each_in({a, b, c}, [&](std::uint32_t p) { sum += cost(after, p) - cost(before, p); });
+  return sum + cost_of_area(a, b, c, before, after);
+}
+
+void RegionPoints::add_costs_of_moves(Point2 from, Point2 to, std::span<const Point2> places,
+                                      RoofRegion left, RoofRegion right,
+                                      std::span<double> sums) const {
+  if (left == right || left < 0 || right < 0) return;
+  const RoofPlane& before = roof(left).plane;
+  const RoofPlane& after = roof(right).plane;
+  double reach = 0;
+  for (const Point2 place : places)
+    reach = std::max(reach, std::hypot(place.x - from.x, place.y - from.y));
+  // What points near the line cost is found once.
+  std::vector<double> x, y, costs;
+  for_each_range(std::array{RisingEdge(from, to)}, reach, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      x.push_back(x_[i]);
+      y.push_back(y_[i]);
+      const std::uint32_t p = grid_.values[i];
+      costs.push_back(cost(after, p) - cost(before, p));
+    }
   });
-  const double size = std::abs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)) / 2;
-  const Point2 middle{(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
-  constexpr double kShare = 0.1;
-  return sum + kShare * size * huber(std::abs(after(middle) - before(middle)));
+  std::array<std::int64_t, kBatch> is_inside;
+  for (std::size_t n = 0; n < places.size(); ++n) {
+    const std::array<RisingEdge, 3> edges = edges_of({from, to, places[n]});
+    double sum = 0;
+    for (std::size_t i = 0; i < x.size(); i += kBatch) {
+      const std::size_t count = std::min(kBatch, x.size() - i);
+      if (find_inside(count, edges, &x[i], &y[i], is_inside.data()) == 0) continue;
+      for (std::size_t k = 0; k < count; ++k)
+        if (is_inside[k] != 0) sum += costs[i + k];
+    }
+    const bool is_left = orient2d(from, to, places[n]) > 0;
+    sums[n] += (is_left ? sum : -sum) + cost_of_area(from, to, places[n], before, after);
+  }
 }
 
 RegionRoof RegionPoints::fitted(const std::vector<RegionRoof>& candidates,
@@ -212,6 +309,7 @@ void RegionPoints::merge(RoofRegion keep, RoofRegion gone) {
   for (const std::uint32_t p : second) region_of_[p] = keep;
   lists_[index(keep)] = std::move(both);
   lists_[index(gone)].clear();
+  is_fitted_[index(keep)] = is_fitted_[index(gone)] = 0;
 }
 
 void RegionPoints::update(const Bounds2& box, const Partition& lines) {
@@ -220,15 +318,21 @@ void RegionPoints::update(const Bounds2& box, const Partition& lines) {
     if (!box.contains(q)) return;
     const RoofRegion r = lines.region_at(q);
     if (r == region_of_[p]) return;
+    if (region_of_[p] >= 0) is_fitted_[index(region_of_[p])] = 0;
     region_of_[p] = r;
-    if (r >= 0) lists_[index(r)].push_back(p);
+    if (r < 0) return;
+    lists_[index(r)].push_back(p);
+    is_fitted_[index(r)] = 0;
   });
 }
 
 void RegionPoints::fit() {
   for (std::size_t r = 0; r < roofs_.size(); ++r) {
+    if (is_fitted_[r] != 0) continue;
     lists_[r] = points_of(static_cast<RoofRegion>(r));
+    const RoofPlane before = roofs_[r].plane;
     roofs_[r] = fitted({roofs_[r]}, lists_[r]);
+    is_fitted_[r] = roofs_[r].plane == before ? 1 : 0;
   }
 }
 
