@@ -80,7 +80,7 @@ void parallel_chunks(std::size_t size, std::size_t grain, const Body& body) {
     const std::size_t begin = c * grain;
     failure.run(c, [&] { body(begin, begin + grain < size ? begin + grain : size); });
   };
-  threads::for_each(chunks, run);
+  threads::for_each(chunks, std::ref(run));  // by reference: nothing is allocated
   failure.rethrow();
 }
 
@@ -115,7 +115,7 @@ void parallel_pipeline(std::size_t size, std::vector<Slot>& slots, const Make& m
     if (failure.is_before(number + 1)) failure.rethrow();
     use(number, slot_of(number));
   };
-  threads::pipeline(size, slots.size(), fill, empty);
+  threads::pipeline(size, slots.size(), std::ref(fill), std::ref(empty));
 }
 
 /// Combines map(begin, end) over the chunks of [0, size) from left to right:
