@@ -1,7 +1,6 @@
 #include "city/roofs/clear_lines.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <functional>
@@ -50,11 +49,16 @@ struct Conflict {
   }
 };
 
+/// Up to three.
+struct Nodes {
+  NodeId a = kNone, b = kNone, c = kNone;
+};
+
 /// Something that may be done to lines around nodes, and its cost.
 struct Way {
   double cost;
-  std::array<NodeId, 3> nodes;  ///< kNone: fewer.
-  std::function<bool()> go;     ///< False: it cannot be done.
+  Nodes nodes;
+  std::function<bool()> go;  ///< False: it cannot be done.
 };
 
 class Clearing {
@@ -128,9 +132,9 @@ class Clearing {
     Bounds2 box = Bounds2::nothing();
     box.extend(lines_.at(edge.a));
     box.extend(lines_.at(edge.b));
-    constexpr double kRounding = 1e-6;
+    constexpr double kRounding = 1e-6;  // far beyond, metres
     const Bounds2 reach = box.grown(options_.clearance + kRounding);
-    lines_.for_each_edge_near(box.grown(options_.clearance), [&](EdgeId other) {
+    lines_.for_each_edge_near(reach, [&](EdgeId other) {
       for (const NodeId n : {lines_.edge(other).a, lines_.edge(other).b}) {
         if (!reach.contains(lines_.at(n))) continue;
         if (const double d = nearness(n, e); d < options_.clearance) visit(Conflict{d, e, n});
@@ -223,7 +227,7 @@ class Clearing {
   bool go(const Way& way) {
     Bounds2 box = Bounds2::nothing();
     const auto extend = [&] {
-      for (const NodeId n : way.nodes) {
+      for (const NodeId n : {way.nodes.a, way.nodes.b, way.nodes.c}) {
         if (n == kNone) break;
         box.extend(lines_.at(n));
         for (const EdgeId e : lines_.node(n).edges) box.extend(lines_.at(lines_.edge(e).other(n)));
@@ -231,7 +235,7 @@ class Clearing {
     };
     extend();
     if (!way.go()) return false;
-    if (way.nodes[0] == kNone) return true;
+    if (way.nodes.a == kNone) return true;
     extend();
     lines_.tidy();
     points_.update(box, lines_);
@@ -239,7 +243,7 @@ class Clearing {
   }
 
   template <typename Go>
-  void add(double cost, std::array<NodeId, 3> nodes, Go go) {
+  void add(double cost, const Nodes& nodes, Go go) {
     ways_.push_back({cost, nodes, std::move(go)});
   }
 
@@ -250,7 +254,7 @@ class Clearing {
     };
     const auto offer = [&](NodeId kept, Point2 to) {
       const NodeId gone = lines_.edge(e).other(kept);
-      add(cost_of_move(a, to, e) + cost_of_move(b, to, e), {a, b, kNone},
+      add(cost_of_move(a, to, e) + cost_of_move(b, to, e), {a, b},
           [this, e, kept, gone, to] { return gone != kNone && lines_.collapse(e, kept, to); });
     };
     if (rank(a) >= rank(b)) offer(a, lines_.at(a));
@@ -261,7 +265,7 @@ class Clearing {
   void offer_straightening(NodeId n) {
     const Partition::Node& node = lines_.node(n);
     if (node.corner || node.on_outline || node.edges.size() != 2) return;
-    add(cost_of_straightening(n), {n, kNone, kNone}, [this, n] { return lines_.straighten(n); });
+    add(cost_of_straightening(n), {n}, [this, n] { return lines_.straighten(n); });
   }
 
   /// Places near to a node where it may go.
@@ -306,7 +310,7 @@ class Clearing {
       points_.add_costs_of_moves(lines_.at(n), lines_.at(lines_.edge(e).other(n)), places,
                                  left_of(e, n), right_of(e, n), costs);
     for (std::size_t k = 0; k < places.size(); ++k)
-      add(costs[k], {n, kNone, kNone}, [this, n, to = places[k]] { return move_if_clear(n, to); });
+      add(costs[k], {n}, [this, n, to = places[k]] { return move_if_clear(n, to); });
   }
 
   void offer_merges(const std::vector<NodeId>& nodes, EdgeId e) {
@@ -323,7 +327,7 @@ class Clearing {
   }
 
   void offer_merge(Region a, Region b) {
-    add(points_.cost_of_merging(a, b), {kNone, kNone, kNone}, [this, a, b] {
+    add(points_.cost_of_merging(a, b), {}, [this, a, b] {
       merge(a, b);
       return true;
     });
@@ -413,7 +417,7 @@ class Clearing {
           const double far = step * options_.clearance;
           const Point2 x{a.x + far * std::cos(direction), a.y + far * std::sin(direction)};
           if (distance(x, b) > options_.clearance && may_bend(e, end, x))
-            add(cost_of_bend(e, end, x), {end, lines_.edge(e).other(end), kNone},
+            add(cost_of_bend(e, end, x), {end, lines_.edge(e).other(end)},
                 [this, e, x] { return lines_.bend(e, x); });
         }
     }

@@ -146,23 +146,11 @@ class MemberLabels {
   std::vector<std::int32_t> candidates(Label k) {
     constexpr std::int32_t kSteps = 6;
     std::vector<std::int32_t> queue;
-    const std::int32_t* const costs = costs_.data() + index(k) * own_.size();
-    const auto would = [&](std::size_t i) {
-      return static_cast<int>(labels_[i] == k) | static_cast<int>(costs[i] < own_costs_[i]);
-    };
-    constexpr std::size_t kBlock =
-        64;  // Most have no such cell, which a loop of vectors finds out.
-    for (std::size_t begin = 0; begin < own_.size(); begin += kBlock) {
-      const std::size_t end = std::min(begin + kBlock, own_.size());
-      int any = 0;
-      for (std::size_t i = begin; i < end; ++i) any |= would(i);
-      if (any == 0) continue;
-      for (std::size_t i = begin; i < end; ++i) {
-        if (would(i) == 0) continue;
+    for (std::size_t i = 0; i < own_.size(); ++i)
+      if (labels_[i] == k || cost(i, k) < own_costs_[i]) {
         steps_[i] = 0;
         queue.push_back(static_cast<std::int32_t>(i));
       }
-    }
     for (std::size_t q = 0; q < queue.size(); ++q) {
       const std::int32_t i = queue[q];
       if (steps_[index(i)] == kSteps) continue;

@@ -80,6 +80,19 @@ TETROPOLIS_WIDE std::int64_t find_inside(std::size_t count, const std::array<Ris
   return sum;
 }
 
+/// Calls visit(i) for those of `count` points that are in the triangle with these edges.
+template <typename Visit>
+void for_each_inside(const std::array<RisingEdge, 3>& edges, const double* x, const double* y,
+                     std::size_t count, const Visit& visit) {
+  std::array<std::int64_t, kBatch> is_inside;
+  for (std::size_t i = 0; i < count; i += kBatch) {
+    const std::size_t size = std::min(kBatch, count - i);
+    if (find_inside(size, edges, x + i, y + i, is_inside.data()) == 0) continue;
+    for (std::size_t k = 0; k < size; ++k)
+      if (is_inside[k] != 0) visit(i + k);
+  }
+}
+
 }  // namespace
 
 RegionPoints::RegionPoints(const std::vector<Point3>& points, std::vector<double> weights,
@@ -162,14 +175,9 @@ void RegionPoints::for_each_range(std::span<const RisingEdge> segments, double r
 template <typename Visit>
 void RegionPoints::for_each_in(const std::array<Point2, 3>& triangle, const Visit& visit) const {
   const std::array<RisingEdge, 3> edges = edges_of(triangle);
-  std::array<std::int64_t, kBatch> is_inside;
   for_each_range(edges, 0, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; i += kBatch) {
-      const std::size_t count = std::min(kBatch, end - i);
-      if (find_inside(count, edges, &x_[i], &y_[i], is_inside.data()) == 0) continue;
-      for (std::size_t k = 0; k < count; ++k)
-        if (is_inside[k] != 0) visit(grid_.values[i + k]);
-    }
+    for_each_inside(edges, x_.data() + begin, y_.data() + begin, end - begin,
+                    [&](std::size_t i) { visit(grid_.values[begin + i]); });
   });
 }
 
@@ -230,16 +238,10 @@ void RegionPoints::add_costs_of_moves(Point2 from, Point2 to, std::span<const Po
       costs.push_back(cost(after, p) - cost(before, p));
     }
   });
-  std::array<std::int64_t, kBatch> is_inside;
   for (std::size_t n = 0; n < places.size(); ++n) {
-    const std::array<RisingEdge, 3> edges = edges_of({from, to, places[n]});
     double sum = 0;
-    for (std::size_t i = 0; i < x.size(); i += kBatch) {
-      const std::size_t count = std::min(kBatch, x.size() - i);
-      if (find_inside(count, edges, &x[i], &y[i], is_inside.data()) == 0) continue;
-      for (std::size_t k = 0; k < count; ++k)
-        if (is_inside[k] != 0) sum += costs[i + k];
-    }
+    for_each_inside(edges_of({from, to, places[n]}), x.data(), y.data(), x.size(),
+                    [&](std::size_t i) { sum += costs[i]; });
     const bool is_left = orient2d(from, to, places[n]) > 0;
     sums[n] += (is_left ? sum : -sum) + cost_of_area(from, to, places[n], before, after);
   }
