@@ -11,6 +11,7 @@
 #include "tetropolis/ground/triangulation.h"
 
 #include "city/roofs/plane_fit.h"
+#include "core/ragged_builder.h"
 
 namespace tetropolis {
 
@@ -23,25 +24,29 @@ RaggedArray<PointNumber> neighbours_of(std::span<const Point3> points) {
   PlanarGraph graph;
   for (const Point3& p : points) graph.points.push_back({p[0], p[1]});
   const Triangulation mesh = constrained_delaunay(graph, {.convex_hull = true});
-  std::vector<std::vector<PointNumber>> at(mesh.points.size()), found(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i)
-    at[mesh.input_vertex[i]].push_back(static_cast<PointNumber>(i));
-  const auto join = [&](const std::vector<PointNumber>& a, const std::vector<PointNumber>& b) {
-    for (const PointNumber i : a)
-      for (const PointNumber j : b)
-        if (i != j) found[i].push_back(j);
-  };
-  for (const std::array<VertexIndex, 3>& triangle : mesh.triangles)
-    for (std::size_t e = 0; e < 3; ++e) {
-      join(at[triangle[e]], at[triangle[(e + 1) % 3]]);
-      join(at[triangle[(e + 1) % 3]], at[triangle[e]]);
-    }
-  for (const std::vector<PointNumber>& same : at) join(same, same);
+  const auto at = ragged_from_pairs<PointNumber>(mesh.points.size(), [&](const auto& use) {
+    for (std::size_t i = 0; i < points.size(); ++i)
+      use(mesh.input_vertex[i], static_cast<PointNumber>(i));
+  });
+  auto found = ragged_from_pairs<PointNumber>(points.size(), [&](const auto& use) {
+    const auto join = [&](VertexIndex a, VertexIndex b) {
+      for (const PointNumber i : at[a])
+        for (const PointNumber j : at[b])
+          if (i != j) use(i, j);
+    };
+    for (const std::array<VertexIndex, 3>& triangle : mesh.triangles)
+      for (std::size_t e = 0; e < 3; ++e) {
+        join(triangle[e], triangle[(e + 1) % 3]);
+        join(triangle[(e + 1) % 3], triangle[e]);
+      }
+    for (std::size_t v = 0; v < mesh.points.size(); ++v) join(VertexIndex(v), VertexIndex(v));
+  });
   RaggedArray<PointNumber> result;
-  for (std::vector<PointNumber>& list : found) {
-    std::sort(list.begin(), list.end());
-    list.erase(std::unique(list.begin(), list.end()), list.end());
-    result.push_back(list);
+  result.values.reserve(found.values.size() / 2);  // edges of two triangles were found twice
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::span<PointNumber> row = found[i];
+    std::sort(row.begin(), row.end());
+    result.push_back({row.begin(), std::unique(row.begin(), row.end())});
   }
   return result;
 }

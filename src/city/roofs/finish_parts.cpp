@@ -244,6 +244,21 @@ class Finishing {
 
 }  // namespace
 
+double FinishedRoof::misfit(std::size_t member) const {
+  constexpr double kWorse = 1.05;
+  if (!has_fit(member)) return 0;
+  const auto n = static_cast<double>(counts[member]);
+  const double own = std::sqrt(squared_errors[member] / n);
+  const double flat = std::sqrt(flat_squared_errors[member] / n);
+  return own > kWorse * flat ? own - flat : 0;
+}
+
+double FinishedRoof::misfit() const {
+  double sum = 0;
+  for (std::size_t m = 0; m < counts.size(); ++m) sum += misfit(m);
+  return sum;
+}
+
 FinishedRoof finish_parts(const RoofInput& input, Partition& lines, RegionPoints& points,
                           const FinishOptions& options) {
   return Finishing(input, lines, points, options).run();

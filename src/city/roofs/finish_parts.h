@@ -1,6 +1,8 @@
 // From cleared lines to parts. Private to src/city.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "tetropolis/city/city_model.h"
@@ -32,6 +34,14 @@ struct FinishedRoof {
   std::vector<double> squared_errors;
   std::vector<std::int64_t> counts;
   std::vector<double> flat_squared_errors;  ///< The same of one flat roof per member.
+
+  /// Whether a member has enough points for its errors to say something.
+  bool has_fit(std::size_t member) const { return counts[member] >= 20; }
+  /// By how much a member's points fit worse than one flat roof: the difference of root mean
+  /// squares, metres; 0 where it is less than 5 %, or says nothing.
+  double misfit(std::size_t member) const;
+  /// Of all members.
+  double misfit() const;
 };
 
 /// Snaps vertices (those on the outline to the inside) and fits the roofs. A sloped roof is made

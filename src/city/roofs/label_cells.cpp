@@ -13,7 +13,6 @@
 #include "tetropolis/city/heights.h"
 #include "tetropolis/geometry/polygon.h"
 
-#include "city/roofs/detect_planes.h"
 #include "city/roofs/max_flow.h"
 #include "city/roofs/plane_fit.h"
 #include "core/parallel.h"
@@ -38,25 +37,24 @@ RoofPlane flat_roof(Point2 at, double elevation) { return {at, elevation, 0, 0};
 /// The cells of one member, and the planes they choose from.
 class MemberLabels {
  public:
-  /// `own`: the member's cells. `place`: per cell of all, which of its member's it is.
+  /// `own`: the member's cells. `place`: per cell of all, which of its member's it is. `planes`: at
+  /// least one.
   MemberLabels(const RoofInput& input, const RoofCells& cells, const LabelOptions& options,
                MemberNumber member, const std::vector<CellNumber>& own,
-               const std::vector<std::int32_t>& place)
+               const std::vector<std::int32_t>& place, std::span<const DetectedPlane> planes)
       : points_(input.points.values),
         cells_(cells),
         options_(options),
         own_(own),
-        density_(std::max(0.05, static_cast<double>(input.points[index(member)].size()) /
-                                    area(*input.members[index(member)]))) {
+        density_(input.density(index(member))) {
     for (const Point3& p : input.points[index(member)]) {
       lowest_ = std::min(lowest_, p[2]);
       highest_ = std::max(highest_, p[2]);
     }
-    for (const DetectedPlane& found : detect_planes(input.points[index(member)], density_)) {
+    for (const DetectedPlane& found : planes) {
       planes_.push_back(found.plane);
       boxes_.push_back(found.box);
     }
-    if (planes_.empty()) return;
     labels_.assign(own_.size(), 0);
     steps_.assign(own_.size(), -1);
     node_.assign(own_.size(), -1);
@@ -73,7 +71,7 @@ class MemberLabels {
 
   MemberPlanes run() {
     constexpr int kRounds = 2;
-    for (int round = 0; round < kRounds && !planes_.empty(); ++round) {
+    for (int round = 0; round < kRounds; ++round) {
       set_costs();
       choose();
       drop_small_pieces();
@@ -202,7 +200,7 @@ class MemberLabels {
     bool changed = false;
     for (std::size_t a = 0; a < active.size(); ++a) {
       node_[index(active[a])] = -1;
-      if (flow.on_source_side(static_cast<std::int32_t>(a))) continue;
+      if (!flow.on_sink_side(static_cast<std::int32_t>(a))) continue;
       set_label(index(active[a]), k);
       changed = true;
     }
@@ -581,12 +579,55 @@ void flatten(const RoofInput& input, const RoofCells& cells, const LabelOptions&
   }
 }
 
+/// The regions of members and their planes, joined where that costs little.
+RoofRegions joined_regions(const RoofInput& input, const RoofCells& cells,
+                           const std::vector<std::vector<CellNumber>>& own,
+                           std::span<const MemberPlanes> chosen,
+                           const std::vector<RegionRoof>& flat,
+                           const std::vector<std::uint8_t>& stays_flat,
+                           const LabelOptions& options) {
+  RoofRegions regions;
+  regions.of_cell.assign(cells.size(), 0);
+  for (std::size_t m = 0; m < own.size(); ++m) {
+    if (own[m].empty()) continue;
+    const auto base = static_cast<RoofRegion>(regions.roofs.size());
+    for (std::size_t i = 0; i < own[m].size(); ++i)
+      regions.of_cell[index(own[m][i])] = base + (stays_flat[m] != 0 ? 0 : chosen[m].of_cell[i]);
+    if (stays_flat[m] != 0)
+      regions.roofs.push_back(flat[m]);
+    else
+      for (const RoofPlane& plane : chosen[m].planes)
+        regions.roofs.push_back({plane, static_cast<MemberNumber>(m), Lod::k2_2});
+  }
+  split_pieces(cells, regions);
+  if (options.lod == Lod::k1_3) flatten(input, cells, options, regions);
+  Joining(input, cells, options, regions).run();
+  return regions;
+}
+
+/// Whether a member's points fit one flat roof better than those of regions, which it may have in
+/// common with others.
+bool is_misfit(const RoofInput& input, const RoofCells& cells, const std::vector<CellNumber>& own,
+               const RoofRegions& regions, const RegionRoof& flat) {
+  constexpr double kWorse = 1.05 * 1.05;  // of mean squares
+  double squares = 0, flat_squares = 0;
+  for (const CellNumber c : own)
+    for (const std::uint32_t p : cells.points[index(c)]) {
+      const Point3& point = input.points.values[p];
+      const double d = height_above(regions.roofs[index(regions.of_cell[index(c)])].plane, point);
+      const double f = height_above(flat.plane, point);
+      squares += d * d;
+      flat_squares += f * f;
+    }
+  return squares > kWorse * flat_squares;
+}
+
 }  // namespace
 
 std::vector<MemberPlanes> choose_planes(const RoofInput& input, const RoofCells& cells,
+                                        std::span<const std::vector<DetectedPlane>> detected,
                                         const LabelOptions& options) {
   std::vector<MemberPlanes> chosen(input.members.size());
-  if (options.lod == Lod::k1_2) return chosen;
   const std::vector<std::vector<CellNumber>> own = cells_of_members(input, cells);
   std::vector<std::int32_t> place(cells.size());
   for (const std::vector<CellNumber>& list : own)
@@ -594,9 +635,10 @@ std::vector<MemberPlanes> choose_planes(const RoofInput& input, const RoofCells&
       place[index(list[i])] = static_cast<std::int32_t>(i);
   parallel_chunks(own.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)
-      if (!own[k].empty())
-        chosen[k] =
-            MemberLabels(input, cells, options, static_cast<MemberNumber>(k), own[k], place).run();
+      if (!own[k].empty() && !detected[k].empty())
+        chosen[k] = MemberLabels(input, cells, options, static_cast<MemberNumber>(k), own[k], place,
+                                 detected[k])
+                        .run();
   });
   return chosen;
 }
@@ -604,28 +646,21 @@ std::vector<MemberPlanes> choose_planes(const RoofInput& input, const RoofCells&
 RoofRegions label_cells(const RoofInput& input, const RoofCells& cells,
                         std::span<const MemberPlanes> chosen, const LabelOptions& options) {
   const std::vector<std::vector<CellNumber>> own = cells_of_members(input, cells);
-  RoofRegions regions;
-  regions.of_cell.assign(cells.size(), 0);
-  for (std::size_t k = 0; k < own.size(); ++k) {
-    if (own[k].empty()) continue;
-    const auto m = static_cast<MemberNumber>(k);
-    const auto base = static_cast<RoofRegion>(regions.roofs.size());
-    const RegionRoof flat = flat_member(input, m, options);
-    const bool stays_flat = !input.stays_flat.empty() && input.stays_flat[k] != 0;
-    if (options.lod == Lod::k1_2 || flat.lod == Lod::kBlock || stays_flat ||
-        chosen[k].planes.empty()) {
-      for (const CellNumber c : own[k]) regions.of_cell[index(c)] = base;
-      regions.roofs.push_back(flat);
-      continue;
-    }
-    for (std::size_t i = 0; i < own[k].size(); ++i)
-      regions.of_cell[index(own[k][i])] = base + chosen[k].of_cell[i];
-    for (const RoofPlane& plane : chosen[k].planes) regions.roofs.push_back({plane, m, Lod::k2_2});
+  std::vector<RegionRoof> flat;
+  for (std::size_t m = 0; m < own.size(); ++m)
+    flat.push_back(flat_member(input, static_cast<MemberNumber>(m), options));
+  std::vector<std::uint8_t> stays_flat(own.size(), 0);
+  for (std::size_t m = 0; m < own.size(); ++m)
+    stays_flat[m] =
+        options.lod == Lod::k1_2 || flat[m].lod == Lod::kBlock || chosen[m].planes.empty();
+  for (;;) {
+    RoofRegions regions = joined_regions(input, cells, own, chosen, flat, stays_flat, options);
+    bool any = false;
+    for (std::size_t m = 0; m < own.size(); ++m)
+      if (stays_flat[m] == 0 && is_misfit(input, cells, own[m], regions, flat[m]))
+        stays_flat[m] = 1, any = true;
+    if (!any) return regions;
   }
-  split_pieces(cells, regions);
-  if (options.lod == Lod::k1_3) flatten(input, cells, options, regions);
-  Joining(input, cells, options, regions).run();
-  return regions;
 }
 
 }  // namespace tetropolis

@@ -7,6 +7,7 @@
 
 #include "tetropolis/city/city_model.h"
 
+#include "city/roofs/detect_planes.h"
 #include "city/roofs/roof_cells.h"
 #include "city/roofs/roof_input.h"
 
@@ -42,11 +43,12 @@ struct MemberPlanes {
   std::vector<std::int32_t> of_cell;  ///< Which of them, per cell of the member.
 };
 
-/// Per member: cells choose among its planes (detect_planes) so that the sum of all points'
+/// Per member: cells choose among its planes so that the sum of all points'
 /// distances (capped, over the density) and of the borders' lengths is small: alpha expansion
-/// (Boykov, Veksler, Zabih, "Fast approximate energy minimization via graph cuts", 2001). LoD1.2:
-/// none are looked for.
+/// (Boykov, Veksler, Zabih, "Fast approximate energy minimization via graph cuts", 2001).
+/// `detected`: per member.
 std::vector<MemberPlanes> choose_planes(const RoofInput& input, const RoofCells& cells,
+                                        std::span<const std::vector<DetectedPlane>> detected,
                                         const LabelOptions& options);
 
 /// LoD1.2: one region per member and connected piece. LoD2.2: one per connected piece of a plane's

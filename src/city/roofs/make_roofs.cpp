@@ -20,9 +20,6 @@ namespace tetropolis {
 
 namespace {
 
-/// Points of a footprint whose distances say something.
-constexpr std::int64_t kEnough = 20;
-
 /// What the facts are made of, of one building.
 struct BuildingFacts {
   RoofFacts facts;
@@ -58,33 +55,9 @@ void count(const FinishedRoof& roof, const Building& building, Lod wanted, Build
     facts.volume_of_blocks += size * (building.h_roof - building.h_ground);
   }
   for (std::size_t m = 0; m < roof.counts.size(); ++m)
-    if (roof.counts[m] >= kEnough)
+    if (roof.has_fit(m))
       result.rmse.push_back(
           std::sqrt(roof.squared_errors[m] / static_cast<double>(roof.counts[m])));
-}
-
-/// Root mean squares, of members with enough points.
-struct Fit {
-  double roof = 0, flat = 0;
-  bool is_worse() const { return roof > 1.05 * flat; }
-};
-
-std::vector<Fit> fits_of(const FinishedRoof& roof) {
-  std::vector<Fit> fits(roof.counts.size());
-  for (std::size_t m = 0; m < fits.size(); ++m) {
-    if (roof.counts[m] < kEnough) continue;
-    const auto n = static_cast<double>(roof.counts[m]);
-    fits[m] = {std::sqrt(roof.squared_errors[m] / n), std::sqrt(roof.flat_squared_errors[m] / n)};
-  }
-  return fits;
-}
-
-/// By how much members are off more than flat roofs would be, metres.
-double excess(const std::vector<Fit>& fits) {
-  double sum = 0;
-  for (const Fit& fit : fits)
-    if (fit.is_worse()) sum += fit.roof - fit.flat;
-  return sum;
 }
 
 /// A roof as good as can be, and the building with its parts.
@@ -112,29 +85,7 @@ Attempt attempt(const Building& building, const RoofInput& input, const RoofFind
   return result;
 }
 
-/// Members whose points fit one flat roof better, as where lines had no room, get that: the lines
-/// are made again.
-Attempt best_attempt(const Building& building, RoofInput& input, const RoofFindings& found,
-                     const CityModel& raw, const std::vector<BuildingIndex>& members,
-                     const RoofOptions& options) {
-  input.stays_flat.assign(input.members.size(), 0);
-  Attempt best = attempt(building, input, found, raw, members, options);
-  if (options.lod == Lod::k1_2) return best;
-  constexpr int kRounds = 2;
-  Attempt last = best;
-  for (int round = 0; round < kRounds && last.is_valid; ++round) {
-    const std::vector<Fit> fits = fits_of(last.roof);
-    bool any = false;
-    for (std::size_t m = 0; m < fits.size(); ++m)
-      if (fits[m].is_worse() && input.stays_flat[m] == 0) input.stays_flat[m] = 1, any = true;
-    if (!any) break;
-    last = attempt(building, input, found, raw, members, options);
-    if (last.is_valid && excess(fits_of(last.roof)) < excess(fits_of(best.roof))) best = last;
-  }
-  return best;
-}
-
-BuildingFacts make_roof(Building& building, RoofInput input, const CityModel& raw,
+BuildingFacts make_roof(Building& building, const RoofInput& input, const CityModel& raw,
                         const std::vector<BuildingIndex>& members, const RoofOptions& options) {
   BuildingFacts result;
   const RoofFindings found = find_planes(input, options);
@@ -142,7 +93,7 @@ BuildingFacts make_roof(Building& building, RoofInput input, const CityModel& ra
   // What cannot keep its clearance is made with fewer lines: party walls alone, then none.
   for (const Lod lod : {options.lod, Lod::k1_2}) {
     tried.lod = lod;
-    Attempt made = best_attempt(building, input, found, raw, members, tried);
+    Attempt made = attempt(building, input, found, raw, members, tried);
     if (!made.is_valid) continue;
     result.facts.shared_wall_corners =
         separate_valleys(made.building, options.clearance, options.min_area);

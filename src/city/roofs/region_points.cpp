@@ -303,6 +303,15 @@ double RegionPoints::cost_of_merging(RoofRegion a, RoofRegion b) const {
   return cost(merged_roof(a, b, both).plane, both) - before;
 }
 
+bool RegionPoints::flatten(RoofRegion r) {
+  RegionRoof& roof = roofs_[index(r)];
+  if (roof.lod != Lod::k2_2 && roof.lod != Lod::k1_3) return false;
+  roof.lod = Lod::k1_2;
+  roof.plane.slope_x = roof.plane.slope_y = 0;
+  roof = fitted({roof}, points_of(r));
+  return true;
+}
+
 void RegionPoints::merge(RoofRegion keep, RoofRegion gone) {
   std::vector<std::uint32_t> both = points_of(keep);
   const std::vector<std::uint32_t> second = points_of(gone);

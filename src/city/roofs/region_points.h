@@ -45,6 +45,8 @@ class RegionPoints {
   /// Of a region's own points.
   double cost_of_region(RoofRegion r) const;
 
+  /// The roof of a region becomes flat. False: it was.
+  bool flatten(RoofRegion r);
   /// All of `gone` is in `keep` from now on.
   void merge(RoofRegion keep, RoofRegion gone);
   /// A new region, a part of `origin`, whose points are found by update().

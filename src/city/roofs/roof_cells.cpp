@@ -9,6 +9,7 @@
 #include "tetropolis/core/row_major.h"
 #include "tetropolis/geometry/polygon.h"
 
+#include "core/infinity.h"
 #include "core/ragged_builder.h"
 #include "geometry/predicates.h"
 
@@ -121,15 +122,16 @@ class CellGrid {
     box_ = bounds(cells.mesh.points);
     columns_ = static_cast<std::size_t>(box_.width() / size) + 1;
     rows_ = static_cast<std::size_t>(box_.height() / size) + 1;
-    lists_.resize(columns_ * rows_);
-    for (std::size_t c = 0; c < cells.size(); ++c) {
-      const auto cell = static_cast<CellNumber>(c);
-      Bounds2 box = Bounds2::nothing();
-      for (std::size_t i = 0; i < 3; ++i) box.extend(cells.vertex(cell, i));
-      for (std::size_t y = row(box.ymin); y <= row(box.ymax); ++y)
-        for (std::size_t x = column(box.xmin); x <= column(box.xmax); ++x)
-          lists_[row_major(x, y, columns_)].push_back(cell);
-    }
+    lists_ = ragged_from_pairs<CellNumber>(columns_ * rows_, [&](const auto& use) {
+      for (std::size_t c = 0; c < cells.size(); ++c) {
+        const auto cell = static_cast<CellNumber>(c);
+        Bounds2 box = Bounds2::nothing();
+        for (std::size_t i = 0; i < 3; ++i) box.extend(cells.vertex(cell, i));
+        for (std::size_t y = row(box.ymin); y <= row(box.ymax); ++y)
+          for (std::size_t x = column(box.xmin); x <= column(box.xmax); ++x)
+            use(row_major(x, y, columns_), cell);
+      }
+    });
   }
   /// -1: in none.
   CellNumber at(const RoofCells& cells, Point2 p) const {
@@ -151,7 +153,7 @@ class CellGrid {
   double size_;
   Bounds2 box_;
   std::size_t columns_, rows_;
-  std::vector<std::vector<CellNumber>> lists_;
+  RaggedArray<CellNumber> lists_;
 };
 
 /// Gives each connected piece of cells that are in no member to the member with which it has the
@@ -203,16 +205,18 @@ void assign_members(const RoofInput& input, RoofCells& cells) {
 
 void assign_points(const RoofInput& input, double size, RoofCells& cells) {
   const CellGrid grid(cells, size);
-  std::vector<std::vector<std::uint32_t>> lists(cells.size());
+  std::vector<CellNumber> cell_of(input.points.values.size(), -1);
   for (std::size_t m = 0; m < input.members.size(); ++m)
     for (auto k = static_cast<std::size_t>(input.points.offsets[m]);
          k < static_cast<std::size_t>(input.points.offsets[m + 1]); ++k) {
       const Point3& p = input.points.values[k];
       const CellNumber c = grid.at(cells, {p[0], p[1]});
-      if (c >= 0 && cells.member[index(c)] == static_cast<MemberNumber>(m))
-        lists[index(c)].push_back(static_cast<std::uint32_t>(k));
+      if (c >= 0 && cells.member[index(c)] == static_cast<MemberNumber>(m)) cell_of[k] = c;
     }
-  for (const std::vector<std::uint32_t>& list : lists) cells.points.push_back(list);
+  cells.points = ragged_from_pairs<std::uint32_t>(cells.size(), [&](const auto& use) {
+    for (std::size_t k = 0; k < cell_of.size(); ++k)
+      if (cell_of[k] >= 0) use(index(cell_of[k]), static_cast<std::uint32_t>(k));
+  });
 }
 
 }  // namespace
@@ -242,12 +246,12 @@ RoofCells make_roof_cells(const RoofInput& input, double size) {
     add_ring(hole, step, graph);
     graph.holes.push_back(interior_point(Polygon{hole, {}}));
   }
-  add_interior(input.footprint, step, graph);
+  if (step < kInfinity) add_interior(input.footprint, step, graph);
   RoofCells cells;
   cells.mesh = constrained_delaunay(graph);
   cells.neighbours = neighbours_of(cells.mesh);
   assign_members(input, cells);
-  assign_points(input, step, cells);
+  assign_points(input, std::sqrt(area(input.footprint) / static_cast<double>(cells.size())), cells);
   return cells;
 }
 

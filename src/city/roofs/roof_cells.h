@@ -33,7 +33,8 @@ struct RoofCells {
 };
 
 /// Triangles of about `size` metres (larger in very large buildings) along the footprint's main
-/// direction. Each piece that lies in no member goes to the one with the longest border to it.
+/// direction; infinity: as few as there can be. Each piece that lies in no member goes to the one
+/// with the longest border to it.
 RoofCells make_roof_cells(const RoofInput& input, double size);
 
 }  // namespace tetropolis

@@ -1,20 +1,26 @@
 // What the roof of one building is made from. Private to src/city.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "tetropolis/core/ragged_array.h"
+#include "tetropolis/geometry/polygon.h"
 #include "tetropolis/geometry/types.h"
 
 namespace tetropolis {
 
 struct RoofInput {
-  Polygon footprint;                       ///< Of the building.
-  std::vector<const Polygon*> members;     ///< The footprints it is merged from; never empty.
-  RaggedArray<Point3> points;              ///< Per member: its roof points.
-  std::vector<std::uint8_t> stays_flat{};  ///< Per member, 1: one flat roof (LoD1.2) whatever the
-                                           ///< LoD asked for. Empty: none does.
+  Polygon footprint;                    ///< Of the building.
+  std::vector<const Polygon*> members;  ///< The footprints it is merged from; never empty.
+  RaggedArray<Point3> points;           ///< Per member: its roof points.
+
+  /// Points per square metre of a member, 0.05 at least.
+  double density(std::size_t member) const {
+    return std::max(0.05, static_cast<double>(points[member].size()) / area(*members[member]));
+  }
 };
 
 /// An index of RoofInput::members.
