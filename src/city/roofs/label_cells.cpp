@@ -72,8 +72,10 @@ class MemberLabels {
   MemberPlanes run() {
     constexpr int kRounds = 2;
     for (int round = 0; round < kRounds; ++round) {
-      set_costs();
-      choose();
+      if (count() > 1) {
+        set_costs();
+        choose();
+      }
       drop_small_pieces();
       fit_again();
     }
