@@ -40,21 +40,21 @@ struct Graph {
     }
   }
 
-  /// `sink_side`: a bit per node.
-  std::int32_t cut(std::size_t sink_side) const {
-    const auto at_sink = [&](std::int32_t u) { return (sink_side >> u & 1) != 0; };
+  /// `source_side`: a bit per node.
+  std::int32_t cut(std::size_t source_side) const {
+    const auto at_source = [&](std::int32_t u) { return (source_side >> u & 1) != 0; };
     std::int32_t sum = 0;
     for (std::size_t u = 0; u < nodes; ++u)
-      sum += at_sink(static_cast<std::int32_t>(u)) ? from_source[u] : to_sink[u];
+      sum += at_source(static_cast<std::int32_t>(u)) ? to_sink[u] : from_source[u];
     for (const Arc& arc : arcs) {
-      if (!at_sink(arc.from) && at_sink(arc.to)) sum += arc.there;
-      if (at_sink(arc.from) && !at_sink(arc.to)) sum += arc.back;
+      if (at_source(arc.from) && !at_source(arc.to)) sum += arc.there;
+      if (!at_source(arc.from) && at_source(arc.to)) sum += arc.back;
     }
     return sum;
   }
 };
 
-TEST(MaxFlow, FindsTheLeastCutWithTheFewestNodesAtTheSink) {
+TEST(MaxFlow, FindsTheLeastCutWithTheFewestNodesAtTheSource) {
   std::mt19937 random(testing::test_seed());
   for (int k = 0; k < 500; ++k) {
     const Graph graph(random);
@@ -65,9 +65,9 @@ TEST(MaxFlow, FindsTheLeastCutWithTheFewestNodesAtTheSink) {
     flow.run();
     std::size_t found = 0;
     for (std::size_t u = 0; u < graph.nodes; ++u)
-      if (flow.on_sink_side(static_cast<MaxFlow::Node>(u))) found |= std::size_t{1} << u;
+      if (flow.on_source_side(static_cast<MaxFlow::Node>(u))) found |= std::size_t{1} << u;
     std::int32_t least = std::numeric_limits<std::int32_t>::max();
-    std::size_t in_all = 0;  // nodes on the sink's side of every least cut
+    std::size_t in_all = 0;  // nodes on the source's side of every least cut
     for (std::size_t side = 0; side < std::size_t{1} << graph.nodes; ++side) {
       const std::int32_t cut = graph.cut(side);
       if (cut <= least) in_all = cut < least ? side : in_all & side;

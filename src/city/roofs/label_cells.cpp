@@ -202,7 +202,7 @@ class MemberLabels {
     bool changed = false;
     for (std::size_t a = 0; a < active.size(); ++a) {
       node_[index(active[a])] = -1;
-      if (!flow.on_sink_side(static_cast<std::int32_t>(a))) continue;
+      if (flow.on_source_side(static_cast<std::int32_t>(a))) continue;
       set_label(index(active[a]), k);
       changed = true;
     }

@@ -44,6 +44,19 @@ bool MaxFlow::find_levels() {
   return false;
 }
 
+void MaxFlow::find_source_side() {
+  on_source_side_.assign(first_.size(), 0);
+  queue_.assign(1, source_);
+  on_source_side_[index(source_)] = 1;
+  for (std::size_t k = 0; k < queue_.size(); ++k)
+    for (std::int32_t a = first_[index(queue_[k])]; a >= 0; a = arcs_[index(a)].next) {
+      const Arc& arc = arcs_[index(a)];
+      if (arc.capacity == 0 || on_source_side_[index(arc.to)] != 0) continue;
+      on_source_side_[index(arc.to)] = 1;
+      queue_.push_back(arc.to);
+    }
+}
+
 /// Paths from the source to the sink, each a level nearer with every arc, until there are none.
 void MaxFlow::augment() {
   current_ = first_;
@@ -81,7 +94,8 @@ void MaxFlow::augment() {
 }
 
 void MaxFlow::run() {
-  while (find_levels()) augment();  // in the end, what has a level can still reach the sink
+  while (find_levels()) augment();
+  find_source_side();
 }
 
 }  // namespace tetropolis

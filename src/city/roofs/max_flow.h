@@ -22,8 +22,8 @@ class MaxFlow {
   void add_terminal(Node u, std::int32_t from_source, std::int32_t to_sink);
 
   void run();
-  /// After run(): whether u is on the sink's side of the least cut with the fewest nodes there.
-  bool on_sink_side(Node u) const { return level_[index(u)] >= 0; }
+  /// After run(): whether u is on the source's side of the cut with the fewest nodes on it.
+  bool on_source_side(Node u) const { return on_source_side_[index(u)] != 0; }
 
  private:
   struct Arc {
@@ -34,11 +34,13 @@ class MaxFlow {
   static std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
   bool find_levels();
   void augment();
+  void find_source_side();
 
   Node source_, sink_;
   std::vector<std::int32_t> first_, current_, level_;
   std::vector<Arc> arcs_;  ///< Arc a and its reverse a ^ 1.
   std::vector<Node> queue_;
+  std::vector<std::uint8_t> on_source_side_;
 };
 
 }  // namespace tetropolis
