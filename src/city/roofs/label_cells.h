@@ -43,17 +43,17 @@ struct MemberPlanes {
   std::vector<std::int32_t> of_cell;  ///< Which of them, per cell of the member.
 };
 
-/// Per member: cells choose among its planes so that the sum of all points'
-/// distances (capped, over the density) and of the borders' lengths is small: alpha expansion
-/// (Boykov, Veksler, Zabih, "Fast approximate energy minimization via graph cuts", 2001).
-/// `detected`: per member.
+/// Per member: cells choose among its planes so that the sum of all points' distances (capped, over
+/// the density) and of the borders' lengths is small: alpha expansion (Boykov, Veksler, Zabih,
+/// "Fast approximate energy minimization via graph cuts", 2001). `detected`: per member.
 std::vector<MemberPlanes> choose_planes(const RoofInput& input, const RoofCells& cells,
                                         std::span<const std::vector<DetectedPlane>> detected,
                                         const LabelOptions& options);
 
 /// LoD1.2: one region per member and connected piece. LoD2.2: one per connected piece of a plane's
 /// cells, of which those are joined that cost little. LoD1.3: what of these regions differs by less
-/// than a step is one. `chosen`: per member, by choose_planes().
+/// than a step is one. A member whose points are more than 5 % further from these roofs than from
+/// one flat roof (root mean squares) has that one. `chosen`: per member, by choose_planes().
 RoofRegions label_cells(const RoofInput& input, const RoofCells& cells,
                         std::span<const MemberPlanes> chosen, const LabelOptions& options);
 
