@@ -245,12 +245,10 @@ class Finishing {
 }  // namespace
 
 double FinishedRoof::misfit(std::size_t member) const {
-  constexpr double kWorse = 1.05;
-  if (!has_fit(member)) return 0;
+  const double squares = squared_errors[member], flat = flat_squared_errors[member];
+  if (!has_fit(member) || !is_misfit(squares, flat)) return 0;
   const auto n = static_cast<double>(counts[member]);
-  const double own = std::sqrt(squared_errors[member] / n);
-  const double flat = std::sqrt(flat_squared_errors[member] / n);
-  return own > kWorse * flat ? own - flat : 0;
+  return std::sqrt(squares / n) - std::sqrt(flat / n);
 }
 
 double FinishedRoof::misfit() const {

@@ -38,7 +38,7 @@ struct FinishedRoof {
   /// Whether a member has enough points for its errors to say something.
   bool has_fit(std::size_t member) const { return counts[member] >= 20; }
   /// By how much a member's points fit worse than one flat roof: the difference of root mean
-  /// squares, metres; 0 where it is less than 5 %, or says nothing.
+  /// squares, metres; 0 where that is no misfit (plane_fit.h), or says nothing.
   double misfit(std::size_t member) const;
   /// Of all members.
   double misfit() const;

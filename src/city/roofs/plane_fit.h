@@ -20,6 +20,12 @@ inline double height_above(const RoofPlane& plane, const Point3& p) {
   return p[2] - plane(Point2{p[0], p[1]});
 }
 
+/// Whether a footprint's points fit one flat roof better, by more than 5 % of the root mean square:
+/// sums of squares of their vertical distances from their roofs, and from the flat one.
+inline bool is_misfit(double squares, double flat_squares) {
+  return squares > 1.05 * 1.05 * flat_squares;
+}
+
 /// Moments of points about a place near them; those about the same place can be added.
 class PlaneFit {
  public:

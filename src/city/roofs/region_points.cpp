@@ -305,7 +305,7 @@ double RegionPoints::cost_of_merging(RoofRegion a, RoofRegion b) const {
 
 bool RegionPoints::flatten(RoofRegion r) {
   RegionRoof& roof = roofs_[index(r)];
-  if (roof.lod != Lod::k2_2 && roof.lod != Lod::k1_3) return false;
+  if (roof.lod <= Lod::k1_2) return false;
   roof.lod = Lod::k1_2;
   roof.plane.slope_x = roof.plane.slope_y = 0;
   roof = fitted({roof}, points_of(r));

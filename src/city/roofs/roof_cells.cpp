@@ -221,6 +221,13 @@ void assign_points(const RoofInput& input, double size, RoofCells& cells) {
 
 }  // namespace
 
+std::vector<std::vector<CellNumber>> RoofCells::of_members(std::size_t members) const {
+  std::vector<std::vector<CellNumber>> own(members);
+  for (std::size_t c = 0; c < size(); ++c)
+    own[index(member[c])].push_back(static_cast<CellNumber>(c));
+  return own;
+}
+
 Point2 RoofCells::centre(CellNumber c) const {
   const Point2 a = vertex(c, 0), b = vertex(c, 1), d = vertex(c, 2);
   return {(a.x + b.x + d.x) / 3, (a.y + b.y + d.y) / 3};

@@ -24,6 +24,8 @@ struct RoofCells {
                                       ///< RoofInput::points.values.
 
   std::size_t size() const { return mesh.triangles.size(); }
+  /// Per member: its cells, ascending.
+  std::vector<std::vector<CellNumber>> of_members(std::size_t members) const;
   Point2 vertex(CellNumber c, std::size_t i) const {
     return mesh.points[mesh.triangles[static_cast<std::size_t>(c)][i % 3]];
   }

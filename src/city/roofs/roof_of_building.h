@@ -12,7 +12,7 @@
 
 namespace tetropolis {
 
-/// What the points of a building tell, whichever of its members stay flat.
+/// What the points of a building tell, at any LoD.
 struct RoofFindings {
   RoofCells cells;
   std::vector<MemberPlanes> planes;  ///< Per member.
