@@ -110,9 +110,18 @@ void tell(const CaseArguments& arguments, const std::vector<OpenfoamCase>& cases
       fmt::format("solve    {}/Allrun, or Allrun 8 with eight processes", arguments.folder));
 }
 
+/// The library's "wind_speed: ..." as "--wind-speed: ...".
+std::string with_option_of(const CLI::App& command, const std::string& message) {
+  std::string option = "--" + message.substr(0, message.find(':'));
+  const std::size_t rest = option.size() - 2;
+  std::replace(option.begin(), option.end(), '_', '-');
+  return command.get_option_no_throw(option) == nullptr ? message : option + message.substr(rest);
+}
+
 }  // namespace
 
 void add_case_options(CLI::App& command, CaseArguments& arguments) {
+  arguments.command = &command;
   OpenfoamCaseOptions& options = arguments.options;
   const auto number = [&](const std::string& name, auto& value, const std::string& help,
                           const char* type = "NUMBER") {
@@ -195,11 +204,11 @@ void make_case(const CaseArguments& arguments, Console& console) {
   try {
     if (arguments.solver == "fenicsx") {
       if (arguments.winds.size() > 1)
-        throw Error(ErrorKind::kUsage, "wind-from: several are for openfoam only; name one");
+        throw Error(ErrorKind::kUsage, "wind_from: several are for openfoam only; name one");
       for (const CLI::Option* option : arguments.openfoam_only)
         if (option->count() > 0)
-          throw Error(ErrorKind::kUsage, fmt::format("{} is for openfoam only; leave it out",
-                                                     option->get_name().substr(2)));
+          throw Error(ErrorKind::kUsage,
+                      fmt::format("{} is for openfoam only; leave it out", option->get_name()));
       write_fenicsx_case(arguments.folder, options.wind, options.overwrite);
       console.result(fmt::format("solve    python3 {}/smoke.py", arguments.folder));
       return;
@@ -214,9 +223,7 @@ void make_case(const CaseArguments& arguments, Console& console) {
       tell(told, {write_openfoam_case(arguments.folder, options)}, console);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kUsage) throw;
-    const std::string what = error.what();  // of options, they begin with the option's name
-    const bool is_option = what.find('/') == std::string::npos;
-    throw Error(ErrorKind::kUsage, (is_option ? "--" : "") + what);
+    throw Error(ErrorKind::kUsage, with_option_of(*arguments.command, error.what()));
   }
 }
 

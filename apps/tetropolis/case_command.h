@@ -18,9 +18,10 @@ struct CaseArguments {
   std::string folder;
   std::string dialect{kFoamDialectNames.front()};
   OpenfoamCaseOptions options;
-  std::string profile;        ///< File of a measured wind.
-  std::vector<double> winds;  ///< Where it comes from, if several are named.
-  int directions = 0;         ///< So many, evenly from north on; 0: those named.
+  std::string profile;                ///< File of a measured wind.
+  std::vector<double> winds;          ///< Where it comes from, if several are named.
+  int directions = 0;                 ///< So many, evenly from north on; 0: those named.
+  const CLI::App* command = nullptr;  ///< That has the options.
   std::vector<const CLI::Option*> openfoam_only;
 };
 

@@ -44,7 +44,8 @@ static_assert(std::atomic<State>::is_always_lock_free);
 /// What removes the files of a run, if there are any. Never freed: a handler may be in it.
 std::atomic<const std::function<void()>*> discard_output{nullptr};
 
-volatile std::sig_atomic_t signals_seen = 0;
+std::atomic<int> signals_seen{0};
+static_assert(std::atomic<int>::is_always_lock_free);
 timer_t grace;
 bool has_timer = false;
 bool on_terminal = false;
@@ -91,8 +92,7 @@ void end_overdue_run(int) {
 
 void on_interrupt(int signal) {
   const int error = errno;
-  signals_seen = signals_seen + 1;
-  if (signals_seen > 1) {
+  if (signals_seen.fetch_add(1) > 0) {
     std::signal(signal, SIG_DFL);
     end_overdue_run(signal);
   } else if (has_timer) {

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <map>
 #include <string>
-#include <string_view>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -19,21 +18,8 @@
 #include <nanobind/stl/vector.h>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/io/mesh/cgns.h"
-#include "tetropolis/io/mesh/fluent.h"
-#include "tetropolis/io/mesh/gltf.h"
-#include "tetropolis/io/mesh/msh.h"
-#include "tetropolis/io/mesh/obj.h"
-#include "tetropolis/io/mesh/openfoam.h"
-#include "tetropolis/io/mesh/ply.h"
-#include "tetropolis/io/mesh/stl.h"
-#include "tetropolis/io/mesh/su2.h"
-#include "tetropolis/io/mesh/vtk.h"
-#include "tetropolis/io/mesh/vtkhdf.h"
-#include "tetropolis/io/mesh/xdmf.h"
+#include "tetropolis/io/mesh/mesh_formats.h"
 #include "tetropolis/run/in_memory.h"
-#include "tetropolis/volume/building_zones.h"
-#include "tetropolis/volume/column/building_patches.h"
 #include "tetropolis/volume/column/explicit_mesh.h"
 
 #include "arrays.h"
@@ -98,6 +84,14 @@ auto regions_over(const Mesh& mesh, std::size_t begin, std::size_t end) {
   });
 }
 
+auto regions_of_wedges(const Mesh& mesh) {
+  const auto count = static_cast<std::size_t>(mesh.volume().layers.cells());
+  return make_array<std::int32_t, BuildingIndex>(count, [&](BuildingIndex* regions) {
+    for (std::size_t i = 0; i < count; ++i)
+      regions[i] = building_of_prism(mesh.volume(), static_cast<std::int64_t>(i));
+  });
+}
+
 auto buildings_of_regions(const Mesh& mesh) {
   const std::vector<Region>& regions = mesh.volume().ground.regions;
   return make_array<std::int32_t, BuildingIndex>(regions.size(), [&](BuildingIndex* building) {
@@ -113,12 +107,13 @@ auto points_of(const Mesh& mesh) {
   });
 }
 
-/// The format by the end of the name, in lower case; "polymesh" for OpenFOAM's folder, "fluent" for
+/// The format by the end of the name; "openfoam" for a folder polyMesh, "fluent" for
 /// "city_fluent.msh", as runs name their files.
 std::string format_of(const std::filesystem::path& path) {
   const std::filesystem::path name = (path.has_filename() ? path : path.parent_path()).filename();
-  std::string format = name == "polyMesh" ? name.string() : name.extension().string();
-  format.erase(std::remove(format.begin(), format.end(), '.'), format.end());
+  if (name == "polyMesh") return "openfoam";
+  std::string format = name.extension().string();
+  format.erase(0, 1);
   for (char& c : format) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   for (const char* variant : {"fluent", "msh2"})
     if (format == "msh" && name.stem().string().ends_with(std::string("_") + variant))
@@ -130,99 +125,27 @@ std::string format_of(const std::filesystem::path& path) {
   throw Error(ErrorKind::kUsage, path.string() + ": no format has this name; " + names);
 }
 
-/// Of its volume's description: "volume.xdmf" has "boundary.xdmf", and others "NAME_boundary.xdmf".
-std::filesystem::path boundary_beside(const std::filesystem::path& volume) {
-  std::string name = volume.stem().string();
-  constexpr std::string_view kVolume = "volume";
-  if (const std::size_t at = name.find(kVolume); at != std::string::npos)
-    name.replace(at, kVolume.size(), "boundary");
-  else
-    name += "_boundary";
-  return volume.parent_path() / (name + volume.extension().string());
-}
-
-/// What files say beside a mesh.
-struct Saving {
-  Placement placement;
-  Compression compression = Compression::kNone;
-  bool building_patches = false;
-  bool building_zones = false;
-};
-
-Saving saving_of(const CityMesh& mesh, const Config& config) {
-  Saving saving{mesh.placement, config.compression, config.building_patches, config.building_zones};
+MeshFileOptions file_options(const CityMesh& mesh, const Config& config) {
+  MeshFileOptions options{mesh.placement, config.compression, config.building_patches,
+                          config.building_zones};
   if (config.coordinates == tetropolis::Coordinates::kAbsolute)
-    saving.placement = {mesh.placement.origin, {0, 0, 0}};
-  return saving;
-}
-
-/// Whether there is a format of surfaces for the name.
-bool save_surface(const SurfaceMesh& surface, const std::vector<Building>& buildings,
-                  const std::filesystem::path& path, const Saving& saving) {
-  const std::string format = format_of(path);
-  if (format == "vtp")
-    write_vtp(path, surface, saving.placement, saving.compression, buildings);
-  else if (format == "stl")
-    write_stl(path, surface, saving.placement);
-  else if (format == "obj")
-    write_obj(path, surface, saving.placement);
-  else if (format == "ply")
-    write_ply(path, surface, saving.placement);
-  else if (format == "glb")
-    write_glb(path, surface, saving.placement, buildings);
-  else
-    return false;
-  return true;
-}
-
-bool save_volume(const Mesh& mesh, const std::filesystem::path& path, const Saving& saving,
-                 const Progress& progress) {
-  const std::string format = format_of(path);
-  const SurfaceMesh& boundary = mesh.mesh().boundary;
-  const SurfaceMesh by_building = saving.building_patches
-                                      ? divide_by_building(boundary, mesh.made.city.buildings)
-                                      : SurfaceMesh{};
-  const SurfaceMesh& patches = saving.building_patches ? by_building : boundary;
-  const CellZones over_buildings =
-      saving.building_zones
-          ? zone_buildings(mesh.volume(), mesh.mesh().zones, mesh.made.city.buildings)
-          : CellZones{};
-  const CellZones& zones = saving.building_zones ? over_buildings : mesh.mesh().zones;
-  if (format == "vtu")
-    write_vtu(path, mesh.volume(), saving.placement, progress, saving.compression,
-              mesh.made.city.buildings, mesh.mesh().zones);
-  else if (format == "xdmf")
-    write_xdmf(path, boundary_beside(path), mesh.volume(), boundary, saving.placement, progress,
-               saving.compression, mesh.mesh().zones);
-  else if (format == "msh")
-    write_msh(path, mesh.volume(), patches, saving.placement, progress, zones);
-  else if (format == "msh2")
-    write_msh2(path, mesh.volume(), patches, saving.placement, progress, zones);
-  else if (format == "vtkhdf")
-    write_vtkhdf(path, mesh.volume(), saving.placement, progress, mesh.mesh().zones);
-  else if (format == "cgns")
-    write_cgns(path, mesh.volume(), patches, saving.placement, progress, zones);
-  else if (format == "fluent")
-    write_fluent(path, mesh.volume(), patches, saving.placement, progress, zones);
-  else if (format == "su2")
-    write_su2(path, mesh.volume(), patches, saving.placement, progress);
-  else if (format == "polymesh")
-    write_openfoam(path, mesh.volume(), patches, saving.placement, progress, zones);
-  else
-    return false;
-  return true;
+    options.placement = {mesh.placement.origin, {0, 0, 0}};
+  return options;
 }
 
 void save(const Mesh& mesh, const std::filesystem::path& path, const nb::dict& settings,
           const nb::object& progress) {
   const Config config = config_of("save", settings);
   call(progress, "write mesh", [&](const StepHooks& hooks) {
-    const Saving saving = saving_of(mesh.mesh(), config);
+    const MeshFileOptions options = file_options(mesh.mesh(), config);
+    const std::vector<Building>& buildings = mesh.made.city.buildings;
     const SurfaceMesh& boundary = mesh.mesh().boundary;
-    const bool whole = format_of(path) == "vtp";
-    if (!save_volume(mesh, path, saving, {hooks.step_progress, hooks.cancelled}) &&
-        !save_surface(whole ? boundary : city_surface(boundary), mesh.made.city.buildings, path,
-                      saving))
+    const std::string format = format_of(path);
+    if (write_surface(format, path, format == "vtp" ? boundary : city_surface(boundary), buildings,
+                      options))
+      return;
+    const VolumeFiles volume(mesh.volume(), boundary, mesh.mesh().zones, buildings, options);
+    if (!volume.write(format, path, {hooks.step_progress, hooks.cancelled}))
       throw_no_format(
           path,
           "end it in .vtu, .vtkhdf, .xdmf, .msh, _msh2.msh, _fluent.msh, .cgns, .su2 (the "
@@ -236,7 +159,8 @@ void save_surface_of(const Mesh& mesh, const SurfaceMesh& surface,
                      const std::filesystem::path& path, const nb::dict& settings) {
   const Config config = config_of("save", settings);
   const nb::gil_scoped_release release;
-  if (!save_surface(surface, mesh.made.city.buildings, path, saving_of(mesh.mesh(), config)))
+  if (!write_surface(format_of(path), path, surface, mesh.made.city.buildings,
+                     file_options(mesh.mesh(), config)))
     throw_no_format(path, "end it in .vtp, .stl, .obj, .ply or .glb");
 }
 
@@ -320,6 +244,7 @@ void bind_mesh(nb::module_& module) {
       .def("cells", cells_over, nb::arg("begin"), nb::arg("end"))
       .def("wedges", wedges_of)
       .def("regions", regions_over, nb::arg("begin"), nb::arg("end"))
+      .def("regions_of_wedges", regions_of_wedges)
       .def("end_of_block", end_of_block, nb::arg("begin"), nb::arg("size"))
       .def_prop_ro(
           "zone",

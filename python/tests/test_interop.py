@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 import pyvista
 
+import tetropolis as tp
+
 
 def test_pyvista(mesh):
     grid = mesh.to_pyvista()
@@ -30,6 +32,20 @@ def test_meshio(mesh, tmp_path):
     ours.write(tmp_path / "again.vtk")
     assert len(meshio.read(tmp_path / "again.vtk").cells_dict["tetra"]) == mesh.n_cells
     assert len(mesh.boundary.to_meshio().cells_dict["triangle"]) == len(mesh.boundary.triangles)
+
+
+@pytest.mark.parametrize("settings", [{"boundary_layers": 3}, {"cells": "prisms"}])
+def test_prisms_are_those_of_the_file(shared_city, settings, tmp_path):
+    mesh = tp.build_mesh(shared_city, **settings)
+    mesh.save(tmp_path / "city.vtu")
+    read, ours = meshio.read(tmp_path / "city.vtu"), mesh.to_meshio()
+    assert [block.type for block in read.cells] == [block.type for block in ours.cells]
+    for theirs, own in zip(read.cell_data["region"], ours.cell_data["region"]):
+        assert np.array_equal(theirs, own)
+    assert np.array_equal(mesh.to_pyvista()["region"], np.concatenate(read.cell_data["region"]))
+    # Layers lie on open ground; where all cells are prisms some stand over roofs.
+    over_roofs = (mesh.region[len(mesh.cells):] >= 0).any()
+    assert len(mesh.wedges) > 0 and over_roofs == ("cells" in settings)
 
 
 def test_coordinates_and_compression_of_files(mesh, tmp_path):

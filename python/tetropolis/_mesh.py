@@ -216,9 +216,10 @@ class Mesh(Reported):
 
     @cached_property
     def region(self) -> Ints:
-        """The building whose footprint each tetrahedron stands over, by position in the city, or -1; shape (n,).
-        Prisms stand over none."""
-        return self._core.regions(0, self._core.n_rows)
+        """The building whose footprint each cell stands over, tetrahedra first: by position in the city, or -1; shape
+        (n_cells,)."""
+        tets: Ints = self._core.regions(0, self._core.n_rows)
+        return np.concatenate([tets, self._core.regions_of_wedges()]) if len(self.wedges) else tets
 
     @cached_property
     def zone(self) -> Ints:
@@ -230,10 +231,6 @@ class Mesh(Reported):
     def zones(self) -> list[str]:
         """Names of the canopies: "canopy_1", ...; the report has their heights."""
         return self._core.zones
-
-    @property
-    def _no_region(self) -> Ints:
-        return np.full(len(self.wedges), -1, np.int32)
 
     def cell_blocks(self, size: int = 1_000_000) -> Iterator[tuple[int, Longs, Ints]]:
         """`cells` and `region` (of the tetrahedra) in consecutive parts, for meshes that are too large as a whole.
@@ -281,7 +278,7 @@ class Mesh(Reported):
         kinds = {pyvista.CellType.TETRA: self.cells, pyvista.CellType.WEDGE: self.wedges}
         cells = {kind: cells for kind, cells in kinds.items() if len(cells)}
         grid = pyvista.UnstructuredGrid(cells, self.points + _shift(self.origin, coordinates))
-        grid.cell_data["region"] = np.concatenate([self.region, self._no_region])
+        grid.cell_data["region"] = self.region
         if self.zones:
             grid.cell_data["zone"] = self.zone
         grid.field_data["origin"] = self.origin if coordinates == "local" else (0.0, 0.0, 0.0)
@@ -291,12 +288,13 @@ class Mesh(Reported):
         """With the cell data `region`, and `zone` if there are canopies. `coordinates` as for `to_pyvista`."""
         import meshio
 
-        kinds = [("tetra", self.cells, self.region), ("wedge", self.wedges, self._no_region)]
-        cells = [(name, cells) for name, cells, _ in kinds if len(cells)]
-        regions = [regions for _, cells, regions in kinds if len(cells)]
-        data = {"region": regions}
+        def by_kind(values: Ints) -> list[Ints]:
+            return [part for part in np.split(values, [len(self.cells)]) if len(part)]
+
+        cells = [(name, cells) for name, cells in (("tetra", self.cells), ("wedge", self.wedges)) if len(cells)]
+        data = {"region": by_kind(self.region)}
         if self.zones:
-            data["zone"] = [zone for zone in np.split(self.zone, [len(self.cells)]) if len(zone)]
+            data["zone"] = by_kind(self.zone)
         return meshio.Mesh(self.points + _shift(self.origin, coordinates), cells, cell_data=data)
 
     @takes_settings("save")

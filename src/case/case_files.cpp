@@ -26,21 +26,21 @@ void require_positive(const char* option, double value) {
 }
 
 void require_wind(const Wind& wind) {
-  require_positive("wind-speed", wind.speed);
-  require_positive("wind-height", wind.height);
+  if (wind.levels.empty()) require_positive("wind_speed", wind.speed);
+  require_positive("wind_height", wind.height);
   require_positive("roughness", wind.roughness);
   if (!std::isfinite(wind.from) || std::abs(wind.from) > 360)
     throw Error(ErrorKind::kUsage,
-                fmt::format("wind-from: {} is not between -360 and 360 degrees", wind.from));
+                fmt::format("wind_from: {} is not between -360 and 360 degrees", wind.from));
   if (wind.levels.size() == 1)
-    throw Error(ErrorKind::kUsage, "wind-profile: one level is no profile");
+    throw Error(ErrorKind::kUsage, "wind_profile: one level is no profile");
   WindLevel below;
   for (const WindLevel& level : wind.levels) {
     // Comparisons that no NaN passes.
     if (!(level.height > below.height && level.speed > below.speed && level.k > 0) ||
         !std::isfinite(level.height + level.speed + level.k))
       throw Error(ErrorKind::kUsage,
-                  fmt::format("wind-profile: speed {} and k {} at {} m: levels go upwards, "
+                  fmt::format("wind_profile: speed {} and k {} at {} m: levels go upwards, "
                               "with speeds that grow and k above 0",
                               level.speed, level.k, level.height));
     below = level;
@@ -52,7 +52,7 @@ void require_new(const fs::path& folder, const std::vector<CaseFile>& files) {
   for (const auto& [name, text] : files)
     if (fs::exists(fs::symlink_status(folder / name, error)))
       throw Error(ErrorKind::kUsage,
-                  fmt::format("{}: exists already; replace the case with --overwrite, or copy the "
+                  fmt::format("{}: exists already; replace the case with `overwrite`, or copy the "
                               "mesh into another folder",
                               (folder / name).string()));
 }

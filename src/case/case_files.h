@@ -15,7 +15,7 @@ namespace tetropolis {
 /// `text` with each word replaced by its value.
 std::string replaced(std::string text, const std::map<std::string, std::string>& words);
 
-/// Throws Error(kUsage) naming the option: "wind-speed: 0 is not above 0".
+/// Throws Error(kUsage) naming the option: "wind_speed: 0 is not above 0".
 void require_positive(const char* option, double value);
 void require_wind(const Wind& wind);
 

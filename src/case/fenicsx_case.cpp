@@ -152,7 +152,7 @@ void write_fenicsx_case(const fs::path& folder, const Wind& wind, bool overwrite
   for (const char* name : {"volume.xdmf", "volume.h5", "boundary.xdmf", "boundary.h5"})
     if (!fs::is_regular_file(folder / name, error))
       throw Error(ErrorKind::kInput,
-                  fmt::format("{}: is not there; mesh the city again with --formats xdmf",
+                  fmt::format("{}: is not there; mesh the city again with `formats` = xdmf",
                               (folder / name).string()));
   require_tets(folder / "volume.xdmf");
   const auto to = direction(wind);

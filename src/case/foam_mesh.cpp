@@ -26,8 +26,9 @@ namespace fs = std::filesystem;
 namespace {
 
 [[noreturn]] void fail(const fs::path& path, const std::string& what) {
-  throw Error(ErrorKind::kInput, fmt::format("{}: {}; mesh the city again with --formats openfoam",
-                                             path.string(), what));
+  throw Error(
+      ErrorKind::kInput,
+      fmt::format("{}: {}; mesh the city again with `formats` = openfoam", path.string(), what));
 }
 
 /// A file of a mesh: its header, and lists one after the other.

@@ -26,6 +26,7 @@
 #include "tetropolis/io/mesh/xdmf.h"
 #include "tetropolis/io/raster/geotiff.h"
 #include "tetropolis/io/vector/vector.h"
+#include "tetropolis/pipeline/mesh_city.h"
 #include "tetropolis/pipeline/meshable.h"
 #include "tetropolis/run/config.h"
 
@@ -161,9 +162,9 @@ void check_heights_of(const Raster& terrain, const TetMesh& mesh, const SurfaceM
                       const std::optional<ReportedRun>& report, CheckedFile& file) {
   const double min_wall = report ? report->report.config.min_wall_height : Config{}.min_wall_height;
   const Config config = report ? report->report.config : Config{};
-  // Cells that are prisms have five layers below them if none are asked for.
   const bool whole = mesh.cells.empty();
-  const int count = whole && config.boundary_layers == 0 ? 5 : config.boundary_layers;
+  const int count =
+      whole && config.boundary_layers == 0 ? kLayersBelowPrisms : config.boundary_layers;
   const LayersCheck layers = check_prism_layers(mesh, surface, config.first_layer, count);
   const HeightsCheck check =
       check_heights(surface, shift, terrain, city, min_wall,

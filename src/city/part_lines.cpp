@@ -10,6 +10,8 @@
 
 #include "tetropolis/geometry/polygon.h"
 
+#include "geometry/vec2.h"
+
 namespace tetropolis {
 
 namespace {
@@ -98,7 +100,7 @@ LineClearance line_clearance(std::span<const RoofPart> parts) {
   }
   // Edges first: then searches end sooner.
   for (const Ray& ray : rays) {
-    const double length = std::hypot(ray.b.x - ray.a.x, ray.b.y - ray.a.y);
+    const double length = distance(ray.a, ray.b);
     if (!(length < clearance.distance)) continue;
     clearance.distance = length;
     clearance.nearest = ray.a;

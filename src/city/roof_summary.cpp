@@ -76,4 +76,11 @@ RoofRange range_of(const RoofPart& part) {
   return range;
 }
 
+double highest_roof(const Building& building) {
+  if (building.parts.empty()) return building.h_roof;
+  double highest = -kInfinity;
+  for (const RoofPart& part : building.parts) highest = std::max(highest, range_of(part).high);
+  return highest;
+}
+
 }  // namespace tetropolis

@@ -10,16 +10,13 @@
 
 #include "tetropolis/geometry/polygon.h"
 
+#include "geometry/vec2.h"
+
 namespace tetropolis {
 
 namespace {
 
 constexpr std::size_t kMostCorners = 10000;
-
-double distance(Point2 a, Point2 b) {
-  const double dx = b.x - a.x, dy = b.y - a.y;
-  return std::sqrt(dx * dx + dy * dy);
-}
 
 /// Numbers of corners.
 using IndexRing = std::vector<std::size_t>;

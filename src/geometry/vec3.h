@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 #include "tetropolis/geometry/types.h"
@@ -14,6 +15,7 @@ inline Point3 minus(const Point3& a, const Point3& b) {
 inline double dot(const Point3& a, const Point3& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
+inline double length(const Point3& v) { return std::sqrt(dot(v, v)); }
 inline Point3 cross(const Point3& a, const Point3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }

@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "core/units.h"
 #include "geometry/slope.h"
+#include "geometry/vec2.h"
 #include "refiner.h"
 
 namespace tetropolis {
@@ -207,7 +208,7 @@ bool Refiner::flatten_around(std::int32_t v, std::int32_t he, double content) {
   double edges = 0;
   for (std::size_t i = 0; i < star.size; ++i) {
     z[i] = elevation(mesh_.origin(star.rim[i]));
-    edges += std::hypot(star.ring[i].x - p.x, star.ring[i].y - p.y);
+    edges += distance(star.ring[i], p);
   }
   const double mean = edges / static_cast<double>(star.size);
   const auto steepest_with = [&](Point2 q, double zq, double give_up) {

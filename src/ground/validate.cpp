@@ -15,6 +15,7 @@
 #include "core/units.h"
 #include "edge_table.h"
 #include "geometry/predicates.h"
+#include "geometry/vec2.h"
 
 namespace tetropolis {
 
@@ -36,8 +37,6 @@ double angle_between(Point2 apex, Point2 p, Point2 q) {
   const double ux = p.x - apex.x, uy = p.y - apex.y, vx = q.x - apex.x, vy = q.y - apex.y;
   return std::abs(std::atan2(ux * vy - uy * vx, ux * vx + uy * vy));
 }
-
-double distance(Point2 p, Point2 q) { return std::hypot(p.x - q.x, p.y - q.y); }
 
 double largest_coordinate(std::span<const Point2> points) {
   double largest = 0;

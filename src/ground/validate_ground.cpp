@@ -10,6 +10,7 @@
 
 #include "core/infinity.h"
 #include "edge_table.h"
+#include "geometry/vec2.h"
 #include "validate.h"
 
 namespace tetropolis {
@@ -78,11 +79,10 @@ void check_domain(const GroundMesh& mesh, const Domain& domain, Violations& foun
   for (const TaggedEdge& edge : mesh.tagged_edges) {
     if (edge.region != kNoRegion) continue;
     const Point2 a = at(mesh, edge.low), b = at(mesh, edge.high);
-    length += std::hypot(a.x - b.x, a.y - b.y);
+    length += distance(a, b);
   }
   double perimeter = 0;
-  for (const auto& [from, to, patch] : domain.sides())
-    perimeter += std::hypot(to.x - from.x, to.y - from.y);
+  for (const auto& [from, to, patch] : domain.sides()) perimeter += distance(from, to);
   if (std::abs(length - perimeter) > 1e-9 * perimeter)
     found.push_back(fmt::format("boundary of length {} for a perimeter of {}", length, perimeter));
   double total = 0;
@@ -152,9 +152,9 @@ void check_footprints(const GroundMesh& mesh, std::span<const Polygon> footprint
       note(v);
       while (v != to->second) {
         VertexIndex step = kNoVertex;
-        double left = std::hypot(at(mesh, v).x - q.x, at(mesh, v).y - q.y);
+        double left = distance(at(mesh, v), q);
         for (const VertexIndex w : joined[v]) {
-          const double rest = std::hypot(at(mesh, w).x - q.x, at(mesh, w).y - q.y);
+          const double rest = distance(at(mesh, w), q);
           if (rest >= left || distance_to_segment(at(mesh, w), p, q) > tolerance) continue;
           left = rest;
           step = w;

@@ -90,13 +90,12 @@ struct Correction {
     coarse.mesh_size = std::min(std::ceil(1.02 * coarse.mesh_size * 20) / 20, kCoarsest);
     const MeshEstimate fits = estimate_mesh(coarse, city);
     if (fixed + correction.bytes * (fits.bytes - fixed) > options.max_bytes) continue;
-    throw Error(ErrorKind::kUsage,
-                fmt::format("{}; about {:.2g} cells fit, with mesh_size {:.2f}", begin,
-                            correction.cells * fits.cells, coarse.mesh_size));
+    throw MeshTooLarge(fmt::format("{}; about {:.2g} cells fit, with mesh_size {:.2f}", begin,
+                                   correction.cells * fits.cells, coarse.mesh_size));
   }
-  throw Error(ErrorKind::kUsage, begin +
-                                     "; no mesh size fits: raise max_memory or layer_height, "
-                                     "or lower `bounds` or domain_height");
+  throw MeshTooLarge(begin +
+                     "; no mesh size fits: raise max_memory or layer_height, or lower "
+                     "`bounds` or domain_height");
 }
 
 /// Segments of a column over triangles with edges of length h, or as many as its cells come to.

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "tetropolis/core/error.h"
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/pipeline/mesh_city.h"
 
@@ -34,7 +35,13 @@ struct MeshEstimate {
 /// bench/); columns are divided about every 0.7 h.
 MeshEstimate estimate_mesh(const MeshCityOptions& options, const CitySize& city);
 
-/// Throws Error(kUsage) that tells cells, memory, and a mesh size that fits even if the estimate is
+/// A mesh that memory does not hold: kUsage.
+class MeshTooLarge : public Error {
+ public:
+  explicit MeshTooLarge(const std::string& message) : Error(ErrorKind::kUsage, message) {}
+};
+
+/// Throws MeshTooLarge that tells cells, memory, and a mesh size that fits even if the estimate is
 /// a third too low, unless estimate_mesh is within options.max_bytes.
 void require_mesh_fits(const MeshCityOptions& options, const CitySize& city);
 

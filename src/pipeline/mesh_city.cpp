@@ -42,9 +42,6 @@ constexpr double kGreatestStep = 4;
 constexpr double kTargetError = 0.02;
 constexpr int kMostRounds = 12;
 
-/// Boundary layers where cells are prisms and none are asked for.
-constexpr int kLayersBelowPrisms = 5;
-
 CitySize size_of(const MeshCityOptions& options, const CityModel& city, const Raster& dtm) {
   CitySize size;
   size.area = city.domain.area();
@@ -174,7 +171,7 @@ void tell_excavation(const MeshCityOptions& options, const ColumnPlan& plan,
   volume.foot_cut_slopes_deg = std::move(excavated.toe_slopes_deg);
 }
 
-/// Guarantee 4, too: throws if a cell is inverted.
+/// Throws Error(kGuarantee) if a cell is inverted.
 void tell_quality(const ColumnMesh& mesh, MeshQuality measured, VolumeMeshFacts& volume) {
   const QualityHistogram& quality = measured.cells.histogram;
   volume.worst = std::move(measured.cells.worst);
@@ -312,7 +309,14 @@ double find_scale(const MeshCityOptions& options, const CityModel& city, const S
       continue;
     }
     CityMesh scratch;
-    Columns columns = columns_of(trial, city, surfaces, terrain, size, {}, clock, scratch);
+    Columns columns;
+    try {
+      columns = columns_of(trial, city, surfaces, terrain, size, {}, clock, scratch);
+    } catch (const MeshTooLarge&) {
+      low = scale;
+      scale = std::sqrt(low * high);
+      continue;
+    }
     add_upper(trial, columns, clock);
     auto cells = static_cast<double>(cell_offsets(columns.mesh).back().value());
     if (options.cells == Cells::kPrisms) cells /= 3;
@@ -342,26 +346,10 @@ double find_scale(const MeshCityOptions& options, const CityModel& city, const S
   return best;
 }
 
-}  // namespace
-
-CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions& given,
-                   const StepHooks& hooks) {
-  CityMesh result;
-  StepClock clock(hooks, result.steps);
-  const Point2 origin = city.origin;
-  MeshCityOptions options =
-      for_prisms(in_local_frame(given, origin), city, terrain, result.warnings);
-  const double highest = highest_under(terrain, city.domain.bounds());
-  if (options.own_top && city.domain_top > highest)
-    options.domain_height = city.domain_top - highest;
-  const CitySize size = size_of(options, city, terrain);
-  const Surfaces surfaces = surfaces_of(options, city, clock, result);
-  double scale = 1;
-  if (options.target_cells > 0) {
-    scale = find_scale(options, city, surfaces, terrain, size, clock, result.warnings);
-    options = scaled(options, scale);
-  }
-  require_mesh_fits(options, size);
+/// Columns of the whole city. Buildings whose parts they cannot have become blocks.
+Columns columns_with_blocks(const MeshCityOptions& options, const CityModel& city,
+                            const Surfaces& surfaces, const Raster& terrain, const CitySize& size,
+                            StepClock& clock, CityMesh& result) {
   std::vector<BuildingIndex>& blocks = result.volume_facts.parts_left_out;
   if (solves_laplace(options)) {
     for (const BuildingIndex b : city.buildings.indices())
@@ -372,8 +360,6 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
                                  "\"tets\", layering = \"graded\" and a flat top "
                                  "keep the parts, lod = \"block\" makes none"});
   }
-  terrain.x0 = in_crs(terrain.x0, origin.x);
-  terrain.y0 = in_crs(terrain.y0, origin.y);
   const std::vector<Warning> before = result.warnings;
   Columns columns = columns_of(options, city, surfaces, terrain, size, blocks, clock, result);
   // With steep roofs a few decimetres above each other there may be no order of climbing.
@@ -391,38 +377,101 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
     result.warnings.push_back(
         {"parts_left_out", static_cast<std::int64_t>(blocks.size()),
          "buildings are meshed as blocks: no cells fit the steps between their roofs"});
+  return columns;
+}
+
+/// Columns with cells below the floor of quality become better where they can.
+ImprovedColumns improved(Columns columns, const Raster& terrain, const MeshCityOptions& options,
+                         const CitySize& size, StepClock& clock, VolumeMeshFacts& facts) {
+  QualityFloorOptions floor;
+  floor.plan = plan_options(options);
+  floor.gentlest_deg = options.cut_slope_deg;
+  floor.require_fits = [&, triangles = static_cast<double>(columns.mesh.triangle_count())](
+                           double cells) { require_cells_fit(options, size, triangles, cells); };
+  ImprovedColumns better = reach_quality_floor(std::move(columns), terrain, floor, clock);
+  facts.columns_improved = better.columns_improved;
+  facts.min_vertical_gap = better.min_vertical_gap;
+  return better;
+}
+
+void add_toes(const ColumnPlan& plan, const GroundMesh& ground, const MeshCityOptions& options,
+              ExcavationSources& excavated) {
+  for (const VertexIndex v : plan.eased) {
+    const Point2 p = ground.vertices[v];
+    excavated.toes.push_back({p.x, p.y, plan.ground[v]});
+    excavated.toe_slopes_deg.push_back(eased_slope(options));
+  }
+}
+
+void add_boundary_layers(const MeshCityOptions& options, const ColumnPlan& plan, ColumnMesh& mesh,
+                         VolumeMeshFacts& facts) {
+  const bool alone = options.cells == Cells::kPrisms;
+  lay_prisms(plan.lift, options.boundary_layers, mesh);
+  if (alone) make_whole(mesh);
+  facts.prisms = measure_prisms(mesh, options.boundary_layers.first);
+  if (alone || is_within(facts.prisms, PrismAims{})) return;
+  facts.columns_improved = improve_prisms(mesh, PrismAims{});
+  facts.prisms = measure_prisms(mesh, options.boundary_layers.first);
+}
+
+/// Step 3.6: boundary, scores, and what is left to measure of the cells.
+void measure(const MeshCityOptions& options, const CityModel& city, MeshQuality quality,
+             CityMesh& result) {
+  // One thread at most follows the boundary, and several measure.
+  parallel_in_order(2, [&](std::size_t job) {
+    if (job == 0) {
+      result.boundary = checked_boundary(result.volume, result);
+      result.ground_facts.resolution = score_resolution(city, result.volume);
+    } else if (options.cells == Cells::kTets) {
+      if (options.layering == Layering::kUniform)
+        quality = measure_quality(result.volume, kWorstCells);
+      else
+        measure_ends(result.volume, kWorstCells, quality);
+    }
+  });
+  warn_of_prisms(result.volume_facts.prisms, result.warnings);
+  if (!result.volume.layers.whole) warn_below_floor(options, quality, result.warnings);
+  tell_quality(result.volume, std::move(quality), result.volume_facts);
+}
+
+}  // namespace
+
+CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions& given,
+                   const StepHooks& hooks) {
+  CityMesh result;
+  StepClock clock(hooks, result.steps);
+  const Point2 origin = city.origin;
+  MeshCityOptions options =
+      for_prisms(in_local_frame(given, origin), city, terrain, result.warnings);
+  const double highest = highest_under(terrain, city.domain.bounds());
+  if (options.own_top && city.domain_top > highest)
+    options.domain_height = city.domain_top - highest;
+  const CitySize size = size_of(options, city, terrain);
+  const Surfaces surfaces = surfaces_of(options, city, clock, result);
+  if (options.target_cells > 0) {
+    const double scale = find_scale(options, city, surfaces, terrain, size, clock, result.warnings);
+    options = scaled(options, scale);
+    result.ground_facts.size_scale = scale;
+  }
+  require_mesh_fits(options, size);
+  terrain.x0 = in_crs(terrain.x0, origin.x);
+  terrain.y0 = in_crs(terrain.y0, origin.y);
+  Columns columns = columns_with_blocks(options, city, surfaces, terrain, size, clock, result);
   ExcavationSources excavated;
   MeshQuality quality;
   if (options.layering != Layering::kUniform) {
-    QualityFloorOptions floor;
-    floor.plan = plan_options(options);
-    floor.gentlest_deg = options.cut_slope_deg;
-    floor.require_fits = [&, triangles = static_cast<double>(columns.mesh.triangle_count())](
-                             double cells) { require_cells_fit(options, size, triangles, cells); };
-    ImprovedColumns improved = reach_quality_floor(std::move(columns), terrain, floor, clock);
-    columns = std::move(improved.columns);
-    excavated = std::move(improved.excavated);
-    result.volume_facts.columns_improved = improved.columns_improved;
-    result.volume_facts.min_vertical_gap = improved.min_vertical_gap;
-    quality = std::move(improved.quality);
+    ImprovedColumns better =
+        improved(std::move(columns), terrain, options, size, clock, result.volume_facts);
+    columns = std::move(better.columns);
+    excavated = std::move(better.excavated);
+    quality = std::move(better.quality);
   }
   terrain = {};  // as large as some meshes
-  for (const VertexIndex v : columns.plan.eased) {
-    const Point2 p = columns.mesh.ground.vertices[v];
-    excavated.toes.push_back({p.x, p.y, columns.plan.ground[v]});
-    excavated.toe_slopes_deg.push_back(eased_slope(options));
-  }
+  add_toes(columns.plan, columns.mesh.ground, options, excavated);
   add_upper(options, columns, clock);
   if (options.boundary_layers.count > 0)
     clock.run("3.5", "boundary layers", [&](const Progress&) {
-      const bool alone = options.cells == Cells::kPrisms;
-      lay_prisms(columns.plan.lift, options.boundary_layers, columns.mesh);
-      if (alone) make_whole(columns.mesh);
-      PrismQuality& prisms = result.volume_facts.prisms;
-      prisms = measure_prisms(columns.mesh, options.boundary_layers.first);
-      if (!alone || is_within(prisms, PrismAims{})) return;
-      result.volume_facts.columns_improved = improve_prisms(columns.mesh, PrismAims{});
-      prisms = measure_prisms(columns.mesh, options.boundary_layers.first);
+      add_boundary_layers(options, columns.plan, columns.mesh, result.volume_facts);
     });
   if (!columns.mesh.upper.empty() || columns.mesh.layers.cells() > 0)
     result.volume_facts.min_vertical_gap = require_valid(columns.mesh);
@@ -430,24 +479,8 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
   tell_excavation(options, columns.plan, std::move(excavated), result.volume_facts);
   result.volume = std::move(columns.mesh);
   columns.plan = {};
-  result.ground_facts.size_scale = scale;
-  clock.run("3.6", "quality and boundary", [&](const Progress&) {
-    // One thread at most follows the boundary, and several measure.
-    parallel_in_order(2, [&](std::size_t job) {
-      if (job == 0) {
-        result.boundary = checked_boundary(result.volume, result);
-        result.ground_facts.resolution = score_resolution(city, result.volume);
-      } else if (options.cells == Cells::kTets) {
-        if (options.layering == Layering::kUniform)
-          quality = measure_quality(result.volume, kWorstCells);
-        else
-          measure_ends(result.volume, kWorstCells, quality);
-      }
-    });
-    warn_of_prisms(result.volume_facts.prisms, result.warnings);
-    if (!result.volume.layers.whole) warn_below_floor(options, quality, result.warnings);
-    tell_quality(result.volume, std::move(quality), result.volume_facts);
-  });
+  clock.run("3.6", "quality and boundary",
+            [&](const Progress&) { measure(options, city, std::move(quality), result); });
   if (!options.canopies.empty())
     clock.run("3.6", "canopies",
               [&](const Progress&) { result.zones = zone_cells(result.volume, options.canopies); });

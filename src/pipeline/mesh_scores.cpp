@@ -8,15 +8,15 @@
 #include <utility>
 #include <vector>
 
-#include "tetropolis/geometry/polygon.h"
+#include "tetropolis/city/roof_summary.h"
+
+#include "geometry/vec2.h"
 
 namespace tetropolis {
 
 namespace {
 
 constexpr double kEnough = 10;
-
-double distance(Point2 p, Point2 q) { return std::hypot(p.x - q.x, p.y - q.y); }
 
 CellScore score_of(std::vector<double> cells) {
   CellScore score;
@@ -41,9 +41,8 @@ std::vector<double> cells_of_buildings(const CityModel& city, const GroundMesh& 
   }
   std::vector<double> cells;
   for (const BuildingIndex b : city.buildings.indices()) {
-    const Building& building = city.buildings[b];
-    const double volume = area(building.footprint) * (building.h_roof - building.h_ground);
-    if (length[b] > 0) cells.push_back(std::cbrt(volume) * edges[b] / length[b]);
+    if (length[b] > 0)
+      cells.push_back(std::cbrt(volume_of(city.buildings[b])) * edges[b] / length[b]);
   }
   return cells;
 }

@@ -5,11 +5,13 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "tetropolis/case/wind.h"
+#include "tetropolis/city/roof_summary.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/pipeline/meshable.h"
@@ -45,12 +47,18 @@ Point2 out_of_frame(Point2 along, Point2 p) {
   return {p.x * along.x - p.y * along.y, p.x * along.y + p.y * along.x};
 }
 
-double height_of(const Building& building) { return building.h_roof - building.h_ground; }
+double height_of(const Building& building) { return highest_roof(building) - building.h_ground; }
+
+Bounds2 extent_in_frame(const Ring& ring, Point2 along) {
+  Bounds2 box = Bounds2::nothing();
+  for (const Point2 p : ring) box.extend(into_frame(along, p));
+  return box;
+}
 
 Bounds2 extent_in_frame(const CityModel& city, Point2 along) {
   Bounds2 box = Bounds2::nothing();
   for (const Building& building : city.buildings)
-    for (const Point2 p : building.footprint.outer) box.extend(into_frame(along, p));
+    box.extend(extent_in_frame(building.footprint.outer, along));
   return box;
 }
 
@@ -148,32 +156,103 @@ const Building& tallest_of(const CityModel& city) {
 
 double top_over(const CityModel& city, double height) {
   double highest = -kInfinity;
-  for (const Building& building : city.buildings) highest = std::max(highest, building.h_roof);
+  for (const Building& building : city.buildings)
+    highest = std::max(highest, highest_roof(building));
   return highest + kAbove * height;
+}
+
+/// The highest of the shadows at each step across the wind.
+class Skyline {
+ public:
+  Skyline(double from, double to)
+      : from_(from), heights_(static_cast<std::size_t>(std::ceil((to - from) / kStep)) + 1, 0) {}
+
+  /// A line of a roof: places across the wind, and heights there.
+  void add(double a, double height_a, double b, double height_b) {
+    if (a > b) return add(b, height_b, a, height_a);
+    const auto height_at = [&](double place) {
+      if (!(b > a)) return std::max(height_a, height_b);
+      return height_a + (std::clamp(place, a, b) - a) / (b - a) * (height_b - height_a);
+    };
+    const auto first = static_cast<std::size_t>((a - from_) / kStep);
+    const auto last = static_cast<std::size_t>(std::ceil((b - from_) / kStep));
+    for (std::size_t i = first; i < std::min(last, heights_.size()); ++i) {
+      const double place = from_ + static_cast<double>(i) * kStep;
+      heights_[i] = std::max({heights_[i], height_at(place), height_at(place + kStep)});
+    }
+  }
+
+  double area() const { return kStep * std::accumulate(heights_.begin(), heights_.end(), 0.0); }
+
+ private:
+  static constexpr double kStep = 0.5;
+  double from_;
+  std::vector<double> heights_;
+};
+
+/// What the guidelines measure by.
+struct Surroundings {
+  double height = 0;   ///< H.
+  double frontal = 0;  ///< Frontal area.
+  Bounds2 core;        ///< Of the buildings, or of the data without any, in the frame of the wind.
+  Point2 along;        ///< Where it blows to.
+};
+
+void fit_box(const Surroundings& around, CityModel& city, WindDomainFacts& facts) {
+  const Bounds2& core = around.core;
+  facts.length = facts.guideline_length;
+  facts.width =
+      std::max(facts.guideline_width, around.frontal / (kMostBlockage * facts.guideline_height));
+  const double middle = 0.5 * (core.ymin + core.ymax);
+  const Bounds2 box{core.xmin - kInflow * around.height, middle - 0.5 * facts.width,
+                    core.xmax + kOutflow * around.height, middle + 0.5 * facts.width};
+  const bool is_along_axis = around.along.x == 0 || around.along.y == 0;
+  city.domain = is_along_axis ? along_axis(box, around.along) : turned_box(box, around.along);
+  facts.inlet = inlet_of(city.domain, around.along);
+}
+
+void fit_cylinder(const Surroundings& around, int sectors, CityModel& city,
+                  WindDomainFacts& facts) {
+  const Bounds2& core = around.core;
+  facts.guideline_radius = 0.5 * std::hypot(core.width(), core.height()) + kOutflow * around.height;
+  facts.radius = std::max(facts.guideline_radius,
+                          0.5 * around.frontal / (kMostBlockage * facts.guideline_height));
+  facts.length = facts.width = 2 * facts.radius;
+  city.domain = cylinder({0.5 * (core.xmin + core.xmax), 0.5 * (core.ymin + core.ymax)},
+                         facts.radius, sectors);
+}
+
+void take_polygon(const Polygon& polygon, double min_distance, CityModel& city,
+                  std::vector<Warning>& warnings) {
+  city.domain = given_polygon(polygon, city.origin);
+  const std::size_t before = city.dropped.size();
+  const std::size_t left_out = drop_unmeshable(city, min_distance);
+  if (left_out == 0) return;
+  warnings.push_back(
+      {"outside_domain", static_cast<std::int64_t>(left_out),
+       fmt::format("features are left out, the first, {}: {}; the polygon of the domain does not "
+                   "hold them",
+                   city.dropped[before].source_id, city.dropped[before].reason)});
 }
 
 }  // namespace
 
 double frontal_area(const CityModel& city, Point2 along) {
-  constexpr double kStep = 0.5;
   const Bounds2 box = extent_in_frame(city, along);
   if (box.empty()) return 0;
-  std::vector<double> heights(static_cast<std::size_t>(std::ceil(box.height() / kStep)) + 1, 0);
+  Skyline skyline(box.ymin, box.ymax);
   for (const Building& building : city.buildings) {
-    double low = kInfinity, high = -kInfinity;
-    for (const Point2 p : building.footprint.outer) {
-      const double across = into_frame(along, p).y;
-      low = std::min(low, across);
-      high = std::max(high, across);
-    }
-    const auto first = static_cast<std::size_t>((low - box.ymin) / kStep);
-    const auto last = static_cast<std::size_t>(std::ceil((high - box.ymin) / kStep));
-    for (std::size_t i = first; i < std::min(last, heights.size()); ++i)
-      heights[i] = std::max(heights[i], height_of(building));
+    const auto add = [&](const Polygon& outline, const auto& roof) {
+      for_each_edge(outline, [&](Point2 a, Point2 b) {
+        skyline.add(into_frame(along, a).y, roof(a) - building.h_ground, into_frame(along, b).y,
+                    roof(b) - building.h_ground);
+      });
+    };
+    // Along the wind a plane is highest at an end, so edges tell all.
+    for (const RoofPart& part : building.parts) add(part.outline, part.roof);
+    if (building.parts.empty()) add(building.footprint, [&](Point2) { return building.h_roof; });
   }
-  double sum = 0;
-  for (const double height : heights) sum += height;
-  return sum * kStep;
+  return skyline.area();
 }
 
 WindDomainFacts fit_wind_domain(const WindDomainOptions& options, double min_distance,
@@ -182,62 +261,42 @@ WindDomainFacts fit_wind_domain(const WindDomainOptions& options, double min_dis
   if (options.shape == DomainShape::kData) return facts;
   const Bounds2 data = city.domain.bounds();
   facts.data = data.moved(city.origin);
-  if (options.shape == DomainShape::kPolygon) {
-    city.domain = given_polygon(options.polygon, city.origin);
-    const std::size_t before = city.dropped.size();
-    if (const std::size_t left_out = drop_unmeshable(city, min_distance); left_out > 0)
-      warnings.push_back(
-          {"outside_domain", static_cast<std::int64_t>(left_out),
-           fmt::format("features are left out, the first, {}: {}; the polygon of the domain does "
-                       "not hold them",
-                       city.dropped[before].source_id, city.dropped[before].reason)});
-  }
-  if (city.buildings.empty() && options.shape != DomainShape::kPolygon)
+  if (options.shape == DomainShape::kPolygon)
+    take_polygon(options.polygon, min_distance, city, warnings);
+  else if (city.buildings.empty())
     throw Error(ErrorKind::kInput,
                 "domain: without buildings their height does not tell how wide it is; give a "
                 "polygon, or `bounds` and domain = \"data\"");
-  const Point2 along =
-      options.shape == DomainShape::kBox ? direction_of(options.wind_from_deg) : Point2{1, 0};
-  Bounds2 core = data;
+
+  Surroundings around;
+  around.along =
+      options.shape == DomainShape::kCylinder ? Point2{1, 0} : direction_of(options.wind_from_deg);
+  around.core = extent_in_frame(rectangle(data).outer, around.along);
   if (!city.buildings.empty()) {
     const Building& tallest = tallest_of(city);
-    const double height = height_of(tallest);
-    facts.building_height = height;
+    around.height = height_of(tallest);
+    around.frontal = options.shape == DomainShape::kCylinder
+                         ? widest_frontal_area(city, options.sectors)
+                         : frontal_area(city, around.along);
+    around.core = extent_in_frame(city, around.along);
+    facts.building_height = around.height;
     facts.tallest = tallest.id;
-    core = extent_in_frame(city, along);
-    facts.guideline_length = core.width() + (kInflow + kOutflow) * height;
-    facts.guideline_width = core.height() + 2 * kSides * height;
-    facts.guideline_height = (1 + kAbove) * height;
-    city.domain_top = snap_height(top_over(city, height));
+    facts.guideline_length = around.core.width() + (kInflow + kOutflow) * around.height;
+    facts.guideline_width = around.core.height() + 2 * kSides * around.height;
+    facts.guideline_height = (1 + kAbove) * around.height;
+    facts.guideline_blockage = around.frontal / (facts.guideline_width * facts.guideline_height);
+    city.domain_top = snap_height(top_over(city, around.height));
   }
-  const double height = facts.building_height;
-  const double frontal = options.shape == DomainShape::kCylinder
-                             ? widest_frontal_area(city, options.sectors)
-                             : frontal_area(city, along);
-  const double guideline_section = facts.guideline_width * facts.guideline_height;
-  if (guideline_section > 0) facts.guideline_blockage = frontal / guideline_section;
   if (options.shape == DomainShape::kBox) {
-    facts.length = facts.guideline_length;
-    facts.width =
-        std::max(facts.guideline_width, frontal / (kMostBlockage * facts.guideline_height));
-    const double middle = 0.5 * (core.ymin + core.ymax);
-    const Bounds2 box{core.xmin - kInflow * height, middle - 0.5 * facts.width,
-                      core.xmax + kOutflow * height, middle + 0.5 * facts.width};
-    const bool is_along_axis = along.x == 0 || along.y == 0;
-    city.domain = is_along_axis ? along_axis(box, along) : turned_box(box, along);
-    facts.inlet = inlet_of(city.domain, along);
+    fit_box(around, city, facts);
   } else if (options.shape == DomainShape::kCylinder) {
-    facts.guideline_radius = 0.5 * std::hypot(core.width(), core.height()) + kOutflow * height;
-    facts.radius =
-        std::max(facts.guideline_radius, 0.5 * frontal / (kMostBlockage * facts.guideline_height));
-    facts.length = facts.width = 2 * facts.radius;
-    city.domain = cylinder({0.5 * (core.xmin + core.xmax), 0.5 * (core.ymin + core.ymax)},
-                           facts.radius, options.sectors);
+    fit_cylinder(around, options.sectors, city, facts);
   } else {
-    facts.length = city.domain.bounds().width();
-    facts.width = city.domain.bounds().height();
+    const Bounds2 extent = extent_in_frame(city.domain.outline().outer, around.along);
+    facts.length = extent.width();
+    facts.width = extent.height();
   }
-  if (height > 0) facts.blockage = frontal / (facts.width * facts.guideline_height);
+  if (around.height > 0) facts.blockage = around.frontal / (facts.width * facts.guideline_height);
   if (facts.blockage > kMostBlockage * (1 + 1e-9))
     warnings.push_back({"domain_blockage", 1,
                         fmt::format("buildings block {:.1f} % of the domain's cross-section (at "
@@ -249,7 +308,8 @@ WindDomainFacts fit_wind_domain(const WindDomainOptions& options, double min_dis
   constexpr double kLeastFade = 10;  // steps of the terrain
   terrain = extend_terrain(
       terrain, city.domain.bounds(),
-      {along, core, std::max(kInflow * height, kLeastFade * terrain.step), facts.rim_height});
+      {around.along, around.core, std::max(kInflow * around.height, kLeastFade * terrain.step),
+       facts.rim_height});
   return facts;
 }
 

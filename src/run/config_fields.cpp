@@ -119,9 +119,9 @@ std::vector<ConfigField> make_fields() {
        .group = "Input",
        .member = &C::wind_from,
        .commands = kData,
-       .help = "With domain = auto, where the wind comes from, clockwise from north; the box turns "
-               "with "
-               "it",
+       .help = "Where the wind comes from, clockwise from north. With domain = auto, the box turns "
+               "with it; "
+               "for a polygon, the report says how much buildings block of it",
        .unit = "degrees",
        .common = true,
        .min = 0,
@@ -318,7 +318,7 @@ std::vector<ConfigField> make_fields() {
        .member = &C::parallel_tolerance,
        .commands = kData,
        .help = "Consecutive edges that differ less in direction are joined, where that moves the "
-               "outline by at most 2 cm",
+               "outline by at most 2 cm at a corner, and 5 cm in all",
        .unit = "rad",
        .min = 0,
        .max = 0.5},

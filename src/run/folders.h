@@ -1,4 +1,4 @@
-// What runs ask of the system's folders. Private to src/pipeline.
+// What runs ask of the system's folders. Private to src/run.
 #pragma once
 
 #include <filesystem>

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "options_of.h"
+
 namespace tetropolis {
 
 namespace {
@@ -60,8 +62,7 @@ std::size_t find_step(const StepTime& step, unsigned command) {
 
 RunProgress::RunProgress(Command command, const Config& config)
     : command_(command),
-      solves_(config.layering == Layering::kUniform || config.top == Top::kFree ||
-              config.cells == Cells::kPrisms),
+      solves_(solves_laplace(mesh_options(config))),
       step_(kSteps.size()),
       done_(kSteps.size(), 0) {
   while ((kSteps[stage_].commands & command) == 0) ++stage_;  // rows so far have a stage each

@@ -1,4 +1,4 @@
-// New results in the place of earlier ones, all or none. Private to src/pipeline.
+// New results in the place of earlier ones, all or none. Private to src/run.
 #pragma once
 
 #include <filesystem>

@@ -147,8 +147,10 @@ void fields_of(RoofFacts& roofs, const Field& field) {
 
 template <typename Field>
 void fields_of(WindDomainFacts& domain, const Field& field) {
-  field("building_height", domain.building_height, "number, m",
-        "H: of the tallest building above its own ground; all of these are 0 at `domain` data");
+  field(
+      "building_height", domain.building_height, "number, m",
+      "H: of the tallest building, from its own ground to its highest roof; all of these are 0 at "
+      "`domain` data");
   field("tallest_building", domain.tallest, "text", "its id: one outlier sets the domain");
   field("guideline_length", domain.guideline_length, "number, m",
         "of the box before widening: 5 H before and 15 H behind the buildings");
@@ -156,7 +158,7 @@ void fields_of(WindDomainFacts& domain, const Field& field) {
   field("guideline_height", domain.guideline_height, "number, m", "6 H");
   field("guideline_blockage", domain.guideline_blockage, "number",
         "frontal area of all buildings over that of the box before widening");
-  field("length", domain.length, "number, m", "along the wind (`cylinder`: diameter; polygon: x)");
+  field("length", domain.length, "number, m", "along the wind (`cylinder`: diameter)");
   field("width", domain.width, "number, m", "across it");
   field("guideline_radius", domain.guideline_radius, "number, m",
         "of a cylinder before widening: 15 H around the circle of the buildings' box");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <filesystem>
+#include <mutex>
 #include <span>
 #include <string>
 #include <utility>
@@ -95,14 +96,19 @@ CityMesh make_out_mesh(const Config& config, const CityModel& city, Raster terra
 CityMesh write_city_and_make_mesh(const Config& config, BuiltCity& built, const RunHooks& hooks,
                                   OutputFolder& out, Report& report) {
   CityMesh mesh;
-  // Hooks are called by one thread.
+  // Meshing calls the hooks; what both call, not at the same time.
+  std::mutex polling;
+  const auto cancelled = [&] {
+    const std::lock_guard lock(polling);
+    return hooks.cancelled && hooks.cancelled();
+  };
   StepHooks beside;
-  beside.cancelled = hooks.cancelled;
+  beside.cancelled = cancelled;
   std::vector<StepTime> times;
   // Nobody waits for the mesh of a city that cannot be written.
   std::atomic<bool> has_failed{false};
   RunHooks meshing = hooks;
-  meshing.cancelled = [&] { return has_failed || (hooks.cancelled && hooks.cancelled()); };
+  meshing.cancelled = [&] { return has_failed || cancelled(); };
   const auto before = std::ssize(report.steps);
   parallel_in_order(2, [&](std::size_t job) {
     if (job == 0) {

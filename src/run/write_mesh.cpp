@@ -2,26 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
+#include <cstddef>
+#include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
-#include "tetropolis/io/mesh/cgns.h"
-#include "tetropolis/io/mesh/fluent.h"
-#include "tetropolis/io/mesh/gltf.h"
-#include "tetropolis/io/mesh/msh.h"
-#include "tetropolis/io/mesh/obj.h"
-#include "tetropolis/io/mesh/openfoam.h"
-#include "tetropolis/io/mesh/ply.h"
-#include "tetropolis/io/mesh/stl.h"
-#include "tetropolis/io/mesh/su2.h"
-#include "tetropolis/io/mesh/vtk.h"
-#include "tetropolis/io/mesh/vtkhdf.h"
-#include "tetropolis/io/mesh/xdmf.h"
-#include "tetropolis/volume/building_zones.h"
-#include "tetropolis/volume/column/building_patches.h"
+#include "tetropolis/io/mesh/mesh_formats.h"
 
 #include "result_files.h"
 
@@ -29,100 +17,53 @@ namespace tetropolis {
 
 namespace {
 
-bool is_wanted(const Config& config, std::string_view format) {
-  return std::find(config.formats.begin(), config.formats.end(), format) != config.formats.end();
+/// In the order they are written in; openfoam is a folder.
+constexpr std::array<std::string_view, 9> kVolumes = {"vtu",  "xdmf",   "msh", "msh2",    "vtkhdf",
+                                                      "cgns", "fluent", "su2", "openfoam"};
+constexpr std::array<std::string_view, 3> kSurfaces = {"obj", "ply", "glb"};
+
+std::vector<std::string_view> wanted_of(const Config& config,
+                                        std::span<const std::string_view> formats) {
+  std::vector<std::string_view> wanted;
+  for (const std::string_view format : formats)
+    if (std::find(config.formats.begin(), config.formats.end(), format) != config.formats.end())
+      wanted.push_back(format);
+  return wanted;
 }
 
-/// The volume in each format asked for.
-void write_volume(const Config& config, const CityMesh& city_mesh,
-                  std::span<const Building> buildings, OutputFolder& out,
-                  const Progress& progress) {
-  const ColumnMesh& mesh = city_mesh.volume;
-  const SurfaceMesh& boundary = city_mesh.boundary;
-  const CellZones& zones = city_mesh.zones;
-  const Placement& placement = city_mesh.placement;
-  using Write = std::function<void(const Progress&)>;
-  // For formats that know a face by its patch alone.
-  const SurfaceMesh by_building =
-      config.building_patches ? divide_by_building(boundary, buildings) : SurfaceMesh{};
-  const SurfaceMesh& patches = config.building_patches ? by_building : boundary;
-  // And for those that have names of zones alone.
-  const CellZones over_buildings =
-      config.building_zones ? zone_buildings(mesh, zones, buildings) : CellZones{};
-  const CellZones& named = config.building_zones ? over_buildings : zones;
-  const std::array<std::pair<std::string_view, Write>, 9> writers{{
-      {"vtu",
-       [&](const Progress& p) {
-         write_vtu(out.result("volume.vtu"), mesh, placement, p, config.compression, buildings,
-                   zones);
-       }},
-      {"xdmf",
-       [&](const Progress& p) {
-         write_xdmf(out.result("volume.xdmf", {"volume.h5"}),
-                    out.result("boundary.xdmf", {"boundary.h5"}), mesh, boundary, placement, p,
-                    config.compression, zones);
-       }},
-      {"msh",
-       [&](const Progress& p) {
-         write_msh(out.result("volume.msh"), mesh, patches, placement, p, named);
-       }},
-      {"msh2",
-       [&](const Progress& p) {
-         write_msh2(out.result("volume_msh2.msh"), mesh, patches, placement, p, named);
-       }},
-      {"vtkhdf",
-       [&](const Progress& p) {
-         write_vtkhdf(out.result("volume.vtkhdf"), mesh, placement, p, zones);
-       }},
-      {"cgns",
-       [&](const Progress& p) {
-         write_cgns(out.result("volume.cgns"), mesh, patches, placement, p, named);
-       }},
-      {"fluent",
-       [&](const Progress& p) {
-         write_fluent(out.result("volume_fluent.msh"), mesh, patches, placement, p, named);
-       }},
-      {"su2",
-       [&](const Progress& p) {
-         write_su2(out.result("volume.su2"), mesh, patches, placement, p);
-       }},
-      {"openfoam",
-       [&](const Progress& p) {
-         std::vector<std::string> files = results::of_format("openfoam");
-         if (named.empty()) std::erase(files, results::kCellZones);
-         write_openfoam(out.result("constant/polyMesh", files), mesh, patches, placement, p, named);
-       }},
-  }};
-  std::vector<const Write*> wanted;
-  for (const auto& [format, write] : writers)
-    if (is_wanted(config, format)) wanted.push_back(&write);
-  const double share = 1.0 / static_cast<double>(std::max<std::size_t>(wanted.size(), 1));
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    const double begin = static_cast<double>(i) * share;
-    (*wanted[i])(portion(progress, begin, begin + share));
+/// Where the files of a format go: the first of them, or their folder.
+std::filesystem::path result_of(std::string_view format, const VolumeFiles& files,
+                                OutputFolder& out) {
+  std::vector<std::string> names = results::of_format(format);
+  if (format == "openfoam") {
+    if (files.named_zones().empty()) std::erase(names, results::kCellZones);
+    return out.result("constant/polyMesh", names);
   }
-}
-
-/// Ground, roofs and walls, to look at, and in each format asked for.
-void write_surface(const Config& config, const SurfaceMesh& boundary,
-                   std::span<const Building> buildings, const Placement& placement,
-                   OutputFolder& out) {
-  const SurfaceMesh surface = city_surface(boundary);
-  write_vtp(out.result("surface.vtp"), surface, placement, config.compression, buildings);
-  write_stl(out.result("surface.stl"), surface, placement);
-  if (is_wanted(config, "obj")) write_obj(out.result("surface.obj"), surface, placement);
-  if (is_wanted(config, "ply")) write_ply(out.result("surface.ply"), surface, placement);
-  if (is_wanted(config, "glb")) write_glb(out.result("surface.glb"), surface, placement, buildings);
+  return out.result(names.front(), {names.begin() + 1, names.end()});
 }
 
 }  // namespace
 
 void write_mesh(const Config& config, const CityMesh& mesh, std::span<const Building> buildings,
                 OutputFolder& out, const Progress& progress) {
-  write_volume(config, mesh, buildings, out, progress);
-  write_vtp(out.result("boundary.vtp"), mesh.boundary, mesh.placement, config.compression,
-            buildings);
-  write_surface(config, mesh.boundary, buildings, mesh.placement, out);
+  const MeshFileOptions options{mesh.placement, config.compression, config.building_patches,
+                                config.building_zones};
+  const VolumeFiles volume(mesh.volume, mesh.boundary, mesh.zones, buildings, options);
+  const std::vector<std::string_view> wanted = wanted_of(config, kVolumes);
+  const double share = 1.0 / static_cast<double>(std::max<std::size_t>(wanted.size(), 1));
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const double begin = static_cast<double>(i) * share;
+    volume.write(wanted[i], result_of(wanted[i], volume, out),
+                 portion(progress, begin, begin + share));
+  }
+  write_surface("vtp", out.result("boundary.vtp"), mesh.boundary, buildings, options);
+  const SurfaceMesh surface = city_surface(mesh.boundary);
+  for (const std::string_view format : {"vtp", "stl"})
+    write_surface(format, out.result("surface." + std::string(format)), surface, buildings,
+                  options);
+  for (const std::string_view format : wanted_of(config, kSurfaces))
+    write_surface(format, out.result("surface." + std::string(format)), surface, buildings,
+                  options);
 }
 
 }  // namespace tetropolis

@@ -80,6 +80,36 @@ double shadow(const CityModel& city, Point2 along) {
   return sum;
 }
 
+/// A building of two parts: a low flat one, and a lean-to roof that rises to the east.
+void add_tower(CityModel& city, const Bounds2& box, double ground, double low, double high) {
+  add_building(city, box, ground, low);
+  Building& building = city.buildings.back();
+  const double middle = 0.5 * (box.xmin + box.xmax);
+  RoofPart flat, lean_to;
+  flat.outline = rectangle({box.xmin, box.ymin, middle, box.ymax});
+  flat.roof = {{box.xmin, box.ymin}, ground + low, 0, 0};
+  lean_to.outline = rectangle({middle, box.ymin, box.xmax, box.ymax});
+  lean_to.roof = {{box.xmax, box.ymin}, ground + high, (high - low) / (box.xmax - middle), 0};
+  building.parts = {flat, lean_to};
+}
+
+/// By points of the roofs, 0.1 m apart.
+double shadow_of_parts(const CityModel& city, Point2 along) {
+  std::map<long, double> heights;
+  for (const Building& building : city.buildings)
+    for (const RoofPart& part : building.parts) {
+      const Bounds2 box = bounds(part.outline);
+      for (double x = box.xmin; x <= box.xmax + 1e-9; x += 0.1)
+        for (double y = box.ymin; y <= box.ymax + 1e-9; y += 0.1) {
+          double& height = heights[std::lround((y * along.x - x * along.y) * 4)];
+          height = std::max(height, part.roof({x, y}) - building.h_ground);
+        }
+    }
+  double sum = 0;
+  for (const auto& [place, height] : heights) sum += 0.25 * height;
+  return sum;
+}
+
 std::string name_of_side(const Domain& domain, Patch patch) {
   for (const PatchInfo& info : domain.own_patches())
     if (info.patch == patch) return info.name;
@@ -119,6 +149,32 @@ TEST(WindDomain, FrontalAreaIsThatOfAllShadows) {
     EXPECT_GE(found, expected - 0.2 * heights) << "seed " << testing::test_seed();
     EXPECT_LE(found, expected + heights) << "seed " << testing::test_seed();
   }
+}
+
+TEST(WindDomain, FrontalAreaIsThatOfTheRoofs) {
+  for (const double wind_from : {270.0, 0.0, 180.0, 300.0, 211.0}) {
+    CityModel city;
+    add_tower(city, {10, 10, 30, 40}, 3, 6, 24);
+    add_tower(city, {60, 15, 80, 70}, 1, 10, 14);
+    const double angle = wind_from * std::numbers::pi / 180;
+    const Point2 along{-std::sin(angle), -std::cos(angle)};
+    const double expected = shadow_of_parts(city, along);
+    EXPECT_NEAR(frontal_area(city, along), expected, 0.5 * (24 + 14 + 14)) << wind_from;
+    for (Building& building : city.buildings) building.parts.clear();
+    EXPECT_LT(frontal_area(city, along), 0.9 * expected) << wind_from;
+  }
+}
+
+TEST(WindDomain, TallestIsWhoseRoofIsHighest) {
+  Model model = small_model();  // the tallest block: 20 m on 2 m
+  add_tower(model.city, {130, 60, 140, 91}, 4, 8, 30);
+  const WindDomainFacts facts = fit({DomainShape::kBox}, model);
+  EXPECT_EQ(facts.tallest, "b12");
+  EXPECT_NEAR(facts.building_height, 30, 1e-9);
+  EXPECT_EQ(model.city.domain_top, 4 + 30 + 5 * 30);
+  const std::map<std::string, double> from = distances(model.city);
+  EXPECT_NEAR(from.at("xmin"), 5 * 30, kRoundings);
+  EXPECT_NEAR(from.at("xmax"), 15 * 30, kRoundings);
 }
 
 TEST(WindDomain, BoxKeepsTheDistancesForAnyWind) {
@@ -247,6 +303,25 @@ TEST(WindDomain, PolygonKeepsTheBuildingsInIt) {
   fit_wind_domain(options, 1, cut.city, cut.terrain, warnings);
   EXPECT_EQ(cut.city.buildings.size(), 6U);
   EXPECT_EQ(warnings.back().code, "domain_blockage");
+}
+
+TEST(WindDomain, PolygonIsBlockedForTheWindThatBlows) {
+  for (const double wind_from : {270.0, 0.0, 225.0}) {
+    Model model = small_model();
+    add_building(model.city, {130, 20, 133, 91}, 4, 18);  // a slab across a wind from the west
+    WindDomainOptions options{DomainShape::kPolygon, wind_from};
+    options.polygon.outer = {{84900, 446900}, {85300, 446900}, {85300, 447200}, {84900, 447200}};
+    const WindDomainFacts facts = fit(options, model);
+    const double angle = wind_from * std::numbers::pi / 180;
+    const double length = std::abs(400 * std::sin(angle)) + std::abs(300 * std::cos(angle));
+    const double width = std::abs(300 * std::sin(angle)) + std::abs(400 * std::cos(angle));
+    EXPECT_NEAR(facts.length, length, 1e-6) << wind_from;
+    EXPECT_NEAR(facts.width, width, 1e-6) << wind_from;
+    const Point2 along{-std::sin(angle), -std::cos(angle)};
+    EXPECT_NEAR(facts.blockage, frontal_area(model.city, along) / (width * 6 * 20),
+                0.02 * facts.blockage)
+        << wind_from;
+  }
 }
 
 TEST(WindDomain, WithoutBuildings) {

@@ -22,7 +22,7 @@ inline constexpr std::array<std::string_view, 2> kFoamDialectNames = {"com", "or
 inline constexpr double kRoughnessLengths = 4;
 
 struct OpenfoamCaseOptions {
-  Wind wind;  ///< `speed` is, of measured levels, that at `height`.
+  Wind wind;
   FoamDialect dialect = FoamDialect::kCom;
   double ground_roughness = 0;  ///< Of the ground among the buildings and one height of the highest
                                 ///< around them [m]; 0: that of the wind.

@@ -25,12 +25,12 @@ struct WindLevel {
 };
 
 struct Wind {
-  double speed = 5;        ///< At `height` [m/s].
+  double speed = 5;        ///< At `height` [m/s]; ignored where there are levels.
   double height = 10;      ///< Above the ground [m].
   double from = 270;       ///< Where it comes from [degrees], clockwise from the grid's north.
   double roughness = 0.5;  ///< Aerodynamic roughness length of the land upwind [m].
   /// What was measured, instead of the logarithmic law: two levels at least, upwards, faster from
-  /// one to the next. `speed` is not looked at then.
+  /// one to the next.
   std::vector<WindLevel> levels{};
 };
 

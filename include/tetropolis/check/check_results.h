@@ -23,10 +23,10 @@ struct CheckedFile {
 /// (.json), or a folder of results: all of these that are in it, and in
 /// addition that the boundary is that of the volume, that surface.vtp and surface.stl are made of
 /// it, that footprints are in the mesh, that heights are those of the city model and the terrain,
-/// and that numbers agree with report.json. Of the guarantees 1 to 6 of the README, one
-/// that is neither among the violations nor in `not_checked` holds in these files; the others are
-/// about runs. Results of the folder in formats that are not read (volume.msh, surface.obj, ...)
-/// are named in the facts of a last entry.
+/// and that numbers agree with report.json. Of the guarantees 1 to 6 (docs/quality.md),
+/// one that is neither among the violations nor in `not_checked` holds in these files; the others
+/// are about runs. Results of the folder in formats that are not read (volume.msh, surface.obj,
+/// ...) are named in the facts of a last entry.
 ///
 /// `min_distance`: clearance to ask of a city model, finite and not negative. Without it: of a file
 /// named city_raw.city.json none; of others what report.json beside it says, else 1 m. Throws

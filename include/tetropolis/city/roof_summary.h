@@ -30,4 +30,7 @@ struct RoofRange {
 };
 RoofRange range_of(const RoofPart& part);
 
+/// Elevation of the highest point of its roofs, metres: of the parts, or h_roof without parts.
+double highest_roof(const Building& building);
+
 }  // namespace tetropolis

@@ -17,8 +17,8 @@ struct StepTime {
   std::int64_t peak_rss_bytes = 0;  ///< Largest resident memory of the process until its end.
 };
 
-/// Callbacks of an operation of several steps. All may be empty. `progress` may come from any
-/// thread, but not from two at the same time.
+/// Callbacks of an operation of several steps. All may be empty. They may come from any thread, but
+/// none from two at the same time.
 struct StepHooks {
   std::function<void(const StepTime& step)> step_begins;  ///< id and name are set.
   std::function<void(double fraction)> step_progress;     ///< Of the current step, in [0, 1].

@@ -23,7 +23,7 @@ enum class Patch : std::int32_t {
 /// What the faces of a patch are.
 enum class PatchKind : std::uint8_t {
   kGround,  ///< On the terrain.
-  kRoof,    ///< Of a building, horizontal.
+  kRoof,    ///< Of a building, level or sloped.
   kWall,    ///< Of a building, vertical.
   kTop,     ///< Of the domain.
   kSide,    ///< Of the domain, vertical.

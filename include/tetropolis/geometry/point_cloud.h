@@ -27,7 +27,7 @@ class PointCoordinate {
   operator double() const { return tenths_ / kPerMetre; }  // NOLINT(google-explicit-constructor)
 
   /// For loops over many. Precondition: at most kMost * kPerMetre either side of 0.
-  static PointCoordinate of_tenths(double tenths) {
+  static PointCoordinate of_tenth_millimetres(double tenths) {
     PointCoordinate result;
     result.tenths_ = nearest(tenths);
     return result;

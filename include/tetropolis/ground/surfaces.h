@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 #include <vector>
@@ -14,6 +15,11 @@ namespace tetropolis {
 enum class SurfaceKind : std::uint8_t { kWater, kRoad, kVegetation };
 inline constexpr std::array<std::string_view, 3> kSurfaceKindNames = {"water", "road",
                                                                       "vegetation"};
+
+/// Also the name of its patch.
+constexpr std::string_view name_of(SurfaceKind kind) {
+  return kSurfaceKindNames[static_cast<std::size_t>(kind)];
+}
 
 struct SurfaceArea {
   SurfaceKind kind = SurfaceKind::kWater;

@@ -65,12 +65,15 @@ inline bool solves_laplace(const MeshCityOptions& options) {
          options.cells == Cells::kPrisms;
 }
 
+/// Boundary layers where cells are prisms and none are asked for.
+inline constexpr int kLayersBelowPrisms = 5;
+
 /// Gaps between buildings from this width on count as streets, metres.
 constexpr double kStreetWidth = 10;
 
 /// Of buildings, or of gaps: how many cells each has.
 struct CellScore {
-  std::int64_t count = 0;
+  std::int64_t count = 0;  ///< Buildings, or gaps.
   double least = 0;
   double median = 0;
   double share_of_ten = 0;  ///< Of those with ten cells or more.
@@ -85,22 +88,22 @@ struct ResolutionFacts {
 struct GroundMeshFacts {
   std::int64_t vertices = 0;
   std::int64_t triangles = 0;
-  double min_angle_deg = 0;
-  std::int64_t small_input_angles = 0;
-  std::int64_t triangles_below_min_angle = 0;
-  std::array<double, 3> surfaces = {};  ///< Area of each SurfaceKind, square metres.
+  double min_angle_deg = 0;                    ///< As meshed.
+  std::int64_t small_input_angles = 0;         ///< Corners of the input below the least angle.
+  std::int64_t triangles_below_min_angle = 0;  ///< At them, or where the input is too fine.
+  std::array<double, 3> surfaces = {};         ///< Area of each SurfaceKind, square metres.
   double size_scale = 1;  ///< What all sizes were multiplied by for the target number of cells.
   ResolutionFacts resolution = {};
 };
 
 struct VolumeMeshFacts {
   std::int64_t vertices = 0;
-  std::int64_t cells = 0;   ///< Tets and prisms.
-  std::int32_t layers = 0;  ///< Of uniform layering; else what it would have.
-  double volume = 0;
-  std::int64_t inverted = 0;
-  double min_vertical_gap = 0;
-  std::int64_t ground_lowered = 0;
+  std::int64_t cells = 0;           ///< Tets and prisms.
+  std::int32_t layers = 0;          ///< Of uniform layering; else what it would have.
+  double volume = 0;                ///< Of all cells, cubic metres.
+  std::int64_t inverted = 0;        ///< Always 0 in a mesh that is returned.
+  double min_vertical_gap = 0;      ///< Shortest vertical edge, metres.
+  std::int64_t ground_lowered = 0;  ///< Vertices at walls, and around them, below the terrain.
   std::vector<BuildingIndex>
       parts_left_out;             ///< Buildings with parts, meshed as blocks, ascending.
   std::int64_t roofs_met = 0;     ///< Vertices at which two roofs were moved together by more than
@@ -117,9 +120,9 @@ struct VolumeMeshFacts {
   std::vector<double> roof_cut_slopes_deg;    ///< and to which slopes.
   std::vector<Point3> feet_cut_back;          ///< Slope toes from which it was; local frame,
   std::vector<double> foot_cut_slopes_deg;    ///< and to which slopes.
-  std::int64_t moved_by_guard = 0;
-  std::int64_t columns_improved = 0;  ///< By improve_columns.
-  double top = 0;
+  std::int64_t moved_by_guard = 0;            ///< Nodes of uniform layers that the guard moved.
+  std::int64_t columns_improved = 0;          ///< Of which nodes were moved for better cells.
+  double top = 0;                             ///< Elevation of the domain's top, metres.
   double dihedral_min = 0, dihedral_p0_01 = 0, dihedral_p0_1 = 0, dihedral_p1 = 0,
          dihedral_median = 0, dihedral_max = 0;  ///< Degrees; quantiles of the least in each cell.
   std::vector<std::int64_t> dihedral_counts;     ///< QualityHistogram::dihedral_counts.
@@ -138,10 +141,10 @@ struct SurfaceMeshFacts {
 };
 
 struct SolverFacts {
-  std::string step;
+  std::string step;  ///< "3.3" or "3.5".
   std::int64_t unknowns = 0;
   int iterations = 0;
-  double relative_residual = 0;
+  double relative_residual = 0;  ///< Preconditioned, over its value at the initial guess.
   bool converged = false;
 };
 
@@ -166,9 +169,9 @@ struct CityMesh {
 /// boundary (build_city's `city` does; for others see require_meshable); `terrain` covers the
 /// domain, in the city's local frame, without NaN.
 ///
-/// Guarantees 3 to 6 of DESIGN.md: footprints are unions of mesh edges, every cell is positive, the
-/// boundary is closed, manifold and tagged, heights are exact at vertices. `boundary` is that of
-/// `volume`. The same bytes for any number of threads.
+/// Guarantees 3 to 6 (docs/quality.md): footprints are unions of mesh edges, every cell is
+/// positive, the boundary is closed, manifold and tagged, heights are exact at vertices. `boundary`
+/// is that of `volume`. The same bytes for any number of threads.
 ///
 /// Throws Error(kUsage): options out of range, a mesh of too many layers or of more than max_bytes.
 /// Error(kGuarantee): one cannot be met. Cancelled.

@@ -21,15 +21,17 @@ enum class DomainShape : std::uint8_t {
 
 struct WindDomainOptions {
   DomainShape shape = DomainShape::kData;
-  double wind_from_deg = 270;  ///< Where the wind comes from, clockwise from north (+y).
+  double wind_from_deg = 270;  ///< Where the wind comes from, clockwise from north (+y); not of a
+                               ///< cylinder.
   int sectors = 36;            ///< Of a cylinder: patches, 4 to 360.
   Polygon polygon = {};        ///< CRS coordinates; without holes.
 };
 
 /// What a domain was made of. Lengths in metres; all 0 for DomainShape::kData.
 struct WindDomainFacts {
-  double building_height = 0;  ///< H: of the tallest building above its own ground.
-  std::string tallest;         ///< Its id.
+  double building_height =
+      0;                ///< H: from its own ground to the highest roof of the tallest building.
+  std::string tallest;  ///< Its id.
   double guideline_length = 0, guideline_width = 0, guideline_height = 0;  ///< Before widening.
   double guideline_blockage = 0;  ///< Frontal area of all buildings over width times height.
   double length = 0, width = 0;   ///< Along the wind and across, as made.
@@ -42,7 +44,7 @@ struct WindDomainFacts {
 };
 
 /// Frontal area of the buildings for wind along the unit vector `along`: the area of the union of
-/// their shadows, square metres, each shadow widened to whole half metres.
+/// the shadows of their roofs, square metres, each shadow widened to whole half metres.
 double frontal_area(const CityModel& city, Point2 along);
 
 /// Puts a domain around the buildings of `city`, and terrain under it. COST action 732 (Franke et

@@ -15,6 +15,7 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include "geometry/predicates.h"
+#include "geometry/vec2.h"
 
 namespace tetropolis {
 
@@ -26,7 +27,6 @@ using Region = Partition::Region;
 constexpr std::size_t kNone = Partition::kNone;
 constexpr double kFar = std::numeric_limits<double>::infinity();
 
-double distance(Point2 a, Point2 b) { return std::hypot(a.x - b.x, a.y - b.y); }
 Point2 between(Point2 a, Point2 b, double t) {
   return {a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t};
 }

@@ -18,6 +18,7 @@
 #include "city/roofs/partition.h"
 #include "city/roofs/region_points.h"
 #include "geometry/geos.h"
+#include "geometry/vec2.h"
 
 namespace tetropolis {
 
@@ -164,7 +165,7 @@ Places places_in(const Partition& lines, const Bounds2& box, double clearance) {
   for (const Partition::Edge& edge : lines.edges()) {
     if (!edge.alive || edge.is_outline()) continue;
     const Point2 a = lines.at(edge.a), b = lines.at(edge.b);
-    const double pieces = std::max(1.0, std::ceil(std::hypot(b.x - a.x, b.y - a.y) / reach));
+    const double pieces = std::max(1.0, std::ceil(distance(a, b) / reach));
     for (double k = 0; k < pieces; ++k) {
       const auto at = [&](double t) {
         return Point2{a.x + (b.x - a.x) * t / pieces, a.y + (b.y - a.y) * t / pieces};

@@ -8,6 +8,7 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include "geometry/predicates.h"
+#include "geometry/vec2.h"
 
 namespace tetropolis {
 
@@ -15,8 +16,6 @@ namespace {
 
 /// Lines nearer to each other than a millimetre touch.
 constexpr double kTouch = 1e-3;
-
-double distance(Point2 a, Point2 b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
 Bounds2 box_around(std::initializer_list<Point2> points) {
   Bounds2 box = Bounds2::nothing();

@@ -15,6 +15,7 @@
 #include "core/ragged_builder.h"
 #include "core/wide.h"
 #include "geometry/predicates.h"
+#include "geometry/vec2.h"
 
 namespace tetropolis {
 
@@ -226,8 +227,7 @@ void RegionPoints::add_costs_of_moves(Point2 from, Point2 to, std::span<const Po
   const RoofPlane& before = roof(left).plane;
   const RoofPlane& after = roof(right).plane;
   double reach = 0;
-  for (const Point2 place : places)
-    reach = std::max(reach, std::hypot(place.x - from.x, place.y - from.y));
+  for (const Point2 place : places) reach = std::max(reach, distance(place, from));
   // What points near the line cost is found once.
   std::vector<double> x, y, costs;
   for_each_range(std::array{RisingEdge(from, to)}, reach, [&](std::size_t begin, std::size_t end) {

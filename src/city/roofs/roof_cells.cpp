@@ -12,14 +12,13 @@
 #include "core/infinity.h"
 #include "core/ragged_builder.h"
 #include "geometry/predicates.h"
+#include "geometry/vec2.h"
 
 namespace tetropolis {
 
 namespace {
 
 std::size_t index(CellNumber c) { return static_cast<std::size_t>(c); }
-
-double distance(Point2 a, Point2 b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
 /// The direction of the walls, modulo a right angle, weighted by their lengths.
 double main_direction(const Polygon& footprint) {

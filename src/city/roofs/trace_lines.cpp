@@ -13,6 +13,8 @@
 
 #include "tetropolis/geometry/polygon.h"
 
+#include "geometry/vec2.h"
+
 namespace tetropolis {
 
 namespace {
@@ -20,8 +22,6 @@ namespace {
 using NodeId = Partition::NodeId;
 using EdgeId = Partition::EdgeId;
 constexpr std::size_t kNone = Partition::kNone;
-
-double distance(Point2 a, Point2 b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
 /// A line through `at` in the direction of the unit vector `along`.
 struct Line {

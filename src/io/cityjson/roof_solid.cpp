@@ -5,6 +5,8 @@
 #include <optional>
 #include <tuple>
 
+#include "geometry/vec2.h"
+
 namespace tetropolis {
 
 namespace {
@@ -177,7 +179,7 @@ class SolidBuilder {
     }
     const double at_a = step_at(a, part, other), at_b = step_at(b, part, other);
     if (!((at_a < 0 && at_b > 0) || (at_a > 0 && at_b < 0))) return std::nullopt;
-    const double least = std::min(0.5, kFromEnds / std::hypot(b.x - a.x, b.y - a.y));
+    const double least = std::min(0.5, kFromEnds / distance(a, b));
     const double t = std::clamp(at_a / (at_a - at_b), least, 1 - least);
     const Point2 p = snap_coordinate({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
     const auto between = [&](std::size_t side) {

@@ -94,14 +94,15 @@ class Frame {
       values.resize(size + numbers.size());
       PointCoordinate* next = values.data() + size;
       if (fits(range.first) && fits(range.last))
-        for (const std::int32_t number : numbers) *next++ = PointCoordinate::of_tenths(at(number));
+        for (const std::int32_t number : numbers)
+          *next++ = PointCoordinate::of_tenth_millimetres(at(number));
       else
         for (const std::int32_t number : numbers) *next++ = stored(number);
     }
 
     double stored(std::int32_t number) const {
       const double tenths = at(number);
-      return fits(number) ? static_cast<double>(PointCoordinate::of_tenths(tenths))
+      return fits(number) ? static_cast<double>(PointCoordinate::of_tenth_millimetres(tenths))
                           : tenths / PointCoordinate::kPerMetre;
     }
 

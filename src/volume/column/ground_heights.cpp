@@ -4,9 +4,13 @@
 #include <cmath>
 #include <utility>
 
+#include "tetropolis/ground/surfaces.h"
+
 #include "core/infinity.h"
+#include "core/median.h"
 #include "core/parallel.h"
 #include "core/sort_once.h"
+#include "geometry/vec2.h"
 #include "layers_at_walls.h"
 
 namespace tetropolis {
@@ -38,7 +42,7 @@ double longest_wall_edge(const Raster& dtm, const RoofPlane& roof, Point2 a, Poi
                          double minimum_wall, double layers) {
   // Found by trial, on the survey's cities below the floor of quality and on random hillsides.
   constexpr double kEdgesPerHeight = 4, kEdgesPerDepth = 3, kLeastHeight = 1, kGentle = 0.25;
-  const double length = std::hypot(b.x - a.x, b.y - a.y);
+  const double length = distance(a, b);
   const double steps = std::ceil(std::max(1.0, length / dtm.step));
   double lowest = kInfinity, highest = -kInfinity;
   double least = kInfinity;  // of the part where the ground stays
@@ -61,7 +65,7 @@ namespace {
 void level_water(const GroundMesh& mesh, std::vector<double>& terrain) {
   IndexedVector<RegionIndex, std::int8_t> is_water;
   for (const Region& region : mesh.regions)
-    is_water.push_back(mesh.patches.of(region.floor).name == "water" ? 1 : 0);
+    is_water.push_back(mesh.patches.of(region.floor).name == name_of(SurfaceKind::kWater));
   if (std::find(is_water.begin(), is_water.end(), 1) == is_water.end()) return;
   std::vector<std::uint8_t> has_land(mesh.vertices.size(), 0);
   IndexedVector<RegionIndex, std::vector<VertexIndex>> vertices(mesh.regions.size());
@@ -80,9 +84,8 @@ void level_water(const GroundMesh& mesh, std::vector<double>& terrain) {
     }
     std::vector<double>& heights = rim.empty() ? all : rim;
     if (heights.empty()) continue;
-    const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
-    std::nth_element(heights.begin(), middle, heights.end());
-    for (const VertexIndex v : own) terrain[v] = *middle;
+    const double level = median(heights);
+    for (const VertexIndex v : own) terrain[v] = level;
   }
 }
 

@@ -7,6 +7,7 @@
 #include "tetropolis/geometry/types.h"
 
 #include "core/infinity.h"
+#include "geometry/vec2.h"
 
 namespace tetropolis {
 
@@ -15,8 +16,7 @@ namespace tetropolis {
 /// it. An end at infinity is not there. This is the update of a triangle in fast marching (Kimmel
 /// and Sethian, "Computing geodesic paths on manifolds", PNAS 95, 1998).
 inline double highest_at(Point2 p, Point2 a, double za, Point2 b, double zb, double slope) {
-  const double at_ends = std::min(za + slope * std::hypot(p.x - a.x, p.y - a.y),
-                                  zb + slope * std::hypot(p.x - b.x, p.y - b.y));
+  const double at_ends = std::min(za + slope * distance(p, a), zb + slope * distance(p, b));
   if (za == kInfinity || zb == kInfinity) return at_ends;
   const double ex = b.x - a.x, ey = b.y - a.y, length = std::hypot(ex, ey);
   const double rise = (zb - za) / length;

@@ -7,6 +7,7 @@
 
 #include "core/infinity.h"
 #include "core/ragged_builder.h"
+#include "geometry/vec2.h"
 
 namespace tetropolis {
 
@@ -132,7 +133,7 @@ double Floors::reach(Row& row, double z) const {
     const Point2 p = mesh_.vertices[row.vertex], q = mesh_.vertices[v[(i + 1) % 3]],
                  r = mesh_.vertices[v[(i + 2) % 3]];
     const double twice_area = (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
-    furthest = std::max(furthest, twice_area / std::hypot(r.x - q.x, r.y - q.y));
+    furthest = std::max(furthest, twice_area / distance(r, q));
   }
   return furthest;
 }
@@ -307,7 +308,7 @@ void append_pieces(const std::array<Point2, 2>& line, const std::array<double, 2
                    const StepRule& rule, double t, double u, double longest,
                    std::vector<LinePiece>& pieces) {
   const auto step = [&](double s) { return steps[0] + s * (steps[1] - steps[0]); };
-  const double length = (u - t) * std::hypot(line[1].x - line[0].x, line[1].y - line[0].y);
+  const double length = (u - t) * distance(line[0], line[1]);
   const double allowed = std::min(longest, rule.longest_edge(step(t), step(u)));
   if (length > allowed && length > 2 * kLeastStep) {
     append_pieces(line, steps, rule, t, (t + u) / 2, longest, pieces);
@@ -327,7 +328,7 @@ std::vector<LinePiece> divide_party_line(const RoofPlane& a, const RoofPlane& b,
   constexpr double kNearEnd = 0.5;  // metres
   const std::array line{p, q};
   const std::array steps{a(p) - b(p), a(q) - b(q)};
-  const double length = std::hypot(q.x - p.x, q.y - p.y);
+  const double length = distance(p, q);
   const StepRule rule(a, b);
   std::vector<LinePiece> pieces;
   double from = 0;

@@ -9,6 +9,7 @@
 #include "core/disjoint_sets.h"
 #include "core/infinity.h"
 #include "geometry/slope.h"
+#include "geometry/vec2.h"
 #include "volume/column/rising.h"
 
 namespace tetropolis {
@@ -107,8 +108,7 @@ std::int64_t mark_slope_toes(const ColumnMesh& mesh, const ColumnPlan& plan,
       const Point2 p = mesh.ground.vertices[v];
       double edge = 0;
       for (const VertexIndex u : {corner(i + 1), corner(i + 2)})
-        edge = std::max(
-            edge, std::hypot(mesh.ground.vertices[u].x - p.x, mesh.ground.vertices[u].y - p.y));
+        edge = std::max(edge, distance(mesh.ground.vertices[u], p));
       const double below = plan.lowest_roof_at(v) - kWallTangent * edge;
       if (below < plan.ground[v]) toe[i] = below;
     }

@@ -10,6 +10,7 @@
 #include "core/infinity.h"
 #include "core/parallel.h"
 #include "core/ragged_builder.h"
+#include "geometry/vec2.h"
 
 namespace tetropolis {
 
@@ -69,7 +70,7 @@ RaggedArray<WallEdge> wall_edges(const LayeredMesh& mesh, std::span<const Region
       const auto& [a, b] = mesh.edges.vertices[e];
       if (roof[a] == roof[b]) continue;
       const Point2 p = mesh.ground.vertices[a], q = mesh.ground.vertices[b];
-      const double length = std::hypot(q.x - p.x, q.y - p.y);
+      const double length = distance(p, q);
       if (roof[a] != kNoRegion) use(roof[a].value(), WallEdge{a, b, length});
       if (roof[b] != kNoRegion) use(roof[b].value(), WallEdge{b, a, length});
     }

@@ -14,8 +14,6 @@ Point3 plus(const Point3& a, double share, const Point3& b) {
   return {a[0] + share * b[0], a[1] + share * b[1], a[2] + share * b[2]};
 }
 
-double length(const Point3& a) { return std::sqrt(dot(a, a)); }
-
 PrismFace face_of(std::span<const Point3> corners) {
   PrismFace face;
   face.count = corners.size();

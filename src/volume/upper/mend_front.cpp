@@ -15,6 +15,7 @@
 
 #include "core/parallel.h"
 #include "core/sort_once.h"
+#include "geometry/vec2.h"
 
 namespace tetropolis {
 
@@ -63,7 +64,7 @@ std::vector<Part> parts_around(const ColumnMesh& mesh, std::span<const VertexInd
   std::vector<std::pair<VertexIndex, VertexIndex>> queue;  // and the middle
   const auto visit = [&](VertexIndex v, VertexIndex middle) {
     const Point2 p = mesh.ground.vertices[middle], q = mesh.ground.vertices[v];
-    if (is_near[v] != 0 || std::hypot(q.x - p.x, q.y - p.y) > reach) return;
+    if (is_near[v] != 0 || distance(p, q) > reach) return;
     is_near[v] = 1;
     queue.emplace_back(v, middle);
   };

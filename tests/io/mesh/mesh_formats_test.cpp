@@ -1,4 +1,6 @@
 // What holds for every mesh format.
+#include "tetropolis/io/mesh/mesh_formats.h"
+
 #include <fstream>
 #include <functional>
 #include <map>
@@ -6,13 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "tetropolis/core/threads.h"
-#include "tetropolis/io/mesh/gltf.h"
-#include "tetropolis/io/mesh/msh.h"
-#include "tetropolis/io/mesh/obj.h"
-#include "tetropolis/io/mesh/openfoam.h"
-#include "tetropolis/io/mesh/ply.h"
-#include "tetropolis/io/mesh/stl.h"
-#include "tetropolis/io/mesh/xdmf.h"
 
 #include "mesh_bytes.h"
 #include "support/test_data.h"
@@ -27,37 +22,32 @@ using Write = std::function<void(const fs::path&, const Progress&)>;
 /// Writers by the name of their file or folder.
 std::map<std::string, Write> volume_writers() {
   const auto& city = testing::formats_city();
-  const ColumnMesh& mesh = city.city.mesh;
-  const SurfaceMesh& boundary = city.boundary;
-  const Placement& placement = city.placement;
-  return {{"volume.xdmf",
-           [&](const fs::path& p, const Progress& progress) {
-             write_xdmf(p, p.parent_path() / "boundary.xdmf", mesh, boundary, placement, progress);
-           }},
-          {"volume.msh",
-           [&](const fs::path& p, const Progress& progress) {
-             write_msh(p, mesh, boundary, placement, progress);
-           }},
-          {"polyMesh", [&](const fs::path& p, const Progress& progress) {
-             write_openfoam(p, mesh, boundary, placement, progress);
-           }}};
+  static const CellZones no_zones;
+  std::map<std::string, Write> writers;
+  for (const auto& [name, format] :
+       std::map<std::string, std::string>{{"volume.vtu", "vtu"},
+                                          {"volume.xdmf", "xdmf"},
+                                          {"volume.msh", "msh"},
+                                          {"volume_msh2.msh", "msh2"},
+                                          {"volume.vtkhdf", "vtkhdf"},
+                                          {"volume.cgns", "cgns"},
+                                          {"volume_fluent.msh", "fluent"},
+                                          {"volume.su2", "su2"},
+                                          {"polyMesh", "openfoam"}})
+    writers[name] = [&city, format = format](const fs::path& path, const Progress& progress) {
+      const VolumeFiles files(city.city.mesh, city.boundary, no_zones, {}, {city.placement});
+      EXPECT_TRUE(files.write(format, path, progress));
+    };
+  return writers;
 }
 
 std::map<std::string, Write> all_writers() {
   const auto& city = testing::formats_city();
   auto writers = volume_writers();
-  writers["volume.vtu"] = [&](const fs::path& p, const Progress& progress) {
-    write_vtu(p, city.city.mesh, city.placement, progress);
-  };
-  writers["surface.obj"] = [&](const fs::path& p, const Progress&) {
-    write_obj(p, city.boundary, city.placement);
-  };
-  writers["surface.ply"] = [&](const fs::path& p, const Progress&) {
-    write_ply(p, city.boundary, city.placement);
-  };
-  writers["surface.glb"] = [&](const fs::path& p, const Progress&) {
-    write_glb(p, city.boundary, city.placement);
-  };
+  for (const std::string format : {"vtp", "stl", "obj", "ply", "glb"})
+    writers["surface." + format] = [&city, format](const fs::path& path, const Progress&) {
+      EXPECT_TRUE(write_surface(format, path, city.boundary, {}, {city.placement}));
+    };
   return writers;
 }
 
@@ -70,6 +60,20 @@ std::map<std::string, std::string> content_of(const fs::path& folder) {
   return content;
 }
 
+TEST(MeshFormats, OfOtherNamesWriteNothing) {
+  const auto& city = testing::formats_city();
+  const CellZones no_zones;
+  const testing::TemporaryFolder folder;
+  for (const char* format : {"", "VTU", "doc", "html"}) {
+    const VolumeFiles files(city.city.mesh, city.boundary, no_zones, {}, {city.placement});
+    EXPECT_FALSE(files.write(format, folder / "mesh"));
+    EXPECT_FALSE(write_surface(format, folder / "mesh", city.boundary, {}, {city.placement}));
+  }
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+  EXPECT_EQ(boundary_beside("a/volume_2.xdmf"), "a/boundary_2.xdmf");
+  EXPECT_EQ(boundary_beside("a/city.xdmf"), "a/city_boundary.xdmf");
+}
+
 TEST(MeshFormats, SameBytesWhateverTheThreads) {
   std::map<std::string, std::string> first;
   for (const int threads : {1, 4}) {
@@ -77,7 +81,7 @@ TEST(MeshFormats, SameBytesWhateverTheThreads) {
     const testing::TemporaryFolder folder;
     for (const auto& [name, write] : all_writers()) write(folder / name, {});
     auto content = content_of(folder.path());
-    EXPECT_EQ(content.size(), 14U);
+    EXPECT_EQ(content.size(), 21U);
     if (first.empty()) first = content;
     for (const auto& [name, bytes] : content)
       EXPECT_TRUE(first[name] == bytes) << name << " with " << threads << " threads";

@@ -23,9 +23,10 @@ namespace tetropolis {
 /// `text`: "EPSG:28992", "28992", "urn:ogc:def:crs:EPSG::7415",
 /// "https://www.opengis.net/def/crs/EPSG/0/7415" (0 or a version of the database),
 /// ".../def/crs-compound?1=...&2=..." of two of these, WKT of any kind, a PROJ string or PROJJSON.
-/// Empty in, empty out. normalise_crs(normalise_crs(t)) == normalise_crs(t). Files and the network
-/// are never consulted. Errors: kUsage with the text, if it is neither a reference system of the
-/// Earth's surface nor such a local one.
+/// Empty in, empty out. normalise_crs(normalise_crs(t)) == normalise_crs(t). The first answers are
+/// remembered for the process; any thread may ask. Files and the network are never consulted.
+/// Errors: kUsage with the text, if it is neither a reference system of the Earth's surface nor
+/// such a local one.
 std::string normalise_crs(const std::string& text);
 
 /// What to call the system in a message: its code, or the name that its definition carries, or

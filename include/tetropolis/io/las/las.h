@@ -1,4 +1,4 @@
-// Point clouds in LAS and LAZ files (paper step 1.1). LAS 1.0 to 1.4, point formats 0 to 10, LAZ by
+// Point clouds in LAS and LAZ files (paper step 1.1). LAS 1.0 to 1.5, point formats 0 to 10, LAZ by
 // any LASzip so far; COPC files are read as the LAZ files they are.
 //
 // Source of the layout: ASPRS, LAS Specification 1.4 R15, 2019.
@@ -101,7 +101,7 @@ struct PointsInput {
 };
 
 /// Reads the points of several files. x, y: CRS coordinate (record * scale + offset) minus origin;
-/// z as it is, in the file's unit; all to a tenth of a thousandth (PointCoordinate). Class: 5 bits
+/// z as it is, in the file's unit; all to 0.0001 of it (PointCoordinate). Class: 5 bits
 /// in formats 0 to 5, 8 bits from format 6 on. Overlap points (class 12, or the overlap bit) are
 /// points like others.
 ///

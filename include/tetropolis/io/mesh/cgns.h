@@ -13,10 +13,11 @@
 namespace tetropolis {
 
 /// Writes the base "Base" with the unstructured zone "Zone1": nodes numbered as write_vtu does,
-/// from 1; the section "air" of tets, then a section of triangles per patch (normals leave the
-/// air), all in double precision and 32-bit numbers. Each patch with faces is a family of its name
-/// (BCWall or BCFarfield) and a boundary condition of that family on its faces. Placement::origin
-/// is the descriptor "origin" of the base.
+/// from 1; the section "air" of tets, the section "air_layers" of prisms, then a section of
+/// triangles per patch and one of quads, "quads_" and the number of the patch (the patch's name
+/// where there are no triangles; normals leave the air), all in double precision and 32-bit
+/// numbers. Each patch with faces is a family of its name (BCWall or BCFarfield) and a boundary
+/// condition of that family on its faces. Placement::origin is the descriptor "origin" of the base.
 ///
 /// Cells in `zones` come after all others, in their order: a section of the zone's name, and one
 /// "layers_N" (N from 1 on: its place among the zones) for prisms where it has tets, too. The

@@ -15,13 +15,13 @@ namespace tetropolis {
 /// Number of the physical volume "air". Volumes and surfaces are numbered apart.
 inline constexpr int kAirPhysicalGroup = 9;
 
-/// Writes the tets as physical volume 9, "air", and the faces of `surface` as physical surfaces
+/// Writes the cells as physical volume 9, "air", and the faces of `surface` as physical surfaces
 /// with the numbers and names of their patches; patches without faces are left out. Each group is
 /// one discrete entity of the same number. Nodes are numbered from 1 in the order of write_vtu;
-/// elements from 1: first the triangles in the order of `surface` (normals leave the air), then the
-/// tets in the order of write_vtu. Placement::origin is in a $Comments section. `zones` are
-/// physical volumes 10, 11, ... with their names: of them, not of "air", are the cells in them;
-/// zones without cells are left out, and elements come volume by volume.
+/// elements from 1: first triangles and quads in the order of `surface` (normals leave the air),
+/// then tets and prisms in the order of write_vtu. Placement::origin is in a $Comments section.
+/// `zones` are physical volumes 10, 11, ... with their names: of them, not of "air", are the cells
+/// in them; zones without cells are left out, and elements come volume by volume.
 ///
 /// Precondition: `surface` is extract_boundary of `mesh`, else Error(kGuarantee). Streams as
 /// write_xdmf does. The file appears complete or not at all. Throws Error(kInput) if it cannot be

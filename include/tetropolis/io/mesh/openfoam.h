@@ -18,12 +18,12 @@ namespace tetropolis {
 /// (CASE/constant/polyMesh), which is created if not there. Points and cells are in the order of
 /// write_vtu.
 ///
-/// Faces are triangles: internal ones in upper-triangular order (by owner, then neighbour, owner <
-/// neighbour, normals from owner to neighbour), then those of `surface`, patch by patch in its
-/// order, normals leaving the air. All of surface.patches are there, in their order and
-/// even without faces, so one set of boundary conditions serves every city; solid ones (ground,
-/// roof, wall) have the type `wall`, the others `patch`. Placement::origin is the `note` in the
-/// header of points.
+/// Faces are triangles, and quads at the sides of prisms: internal ones in upper-triangular order
+/// (by owner, then neighbour, owner < neighbour, normals from owner to neighbour), then those of
+/// `surface`, patch by patch in its order, normals leaving the air. All of surface.patches are
+/// there, in their order and even without faces, so one set of boundary conditions serves every
+/// city; solid ones (ground, roof, wall) have the type `wall`, the others `patch`.
+/// Placement::origin is the `note` in the header of points.
 ///
 /// `zones`, if there are any, are written into the file cellZones, even those without cells, each
 /// with the further entries height, base (metres) and leafAreaDensity (1/m), which OpenFOAM skips;

@@ -19,11 +19,11 @@
 
 namespace tetropolis {
 
-/// Writes the tets of `mesh`: points in double precision column by column and upwards, cells
-/// triangle by triangle and upwards, and the cell data `region` (Int32: the building whose
-/// footprint the cell stands over, by position in the city model, or -1). Streams: needs little
-/// memory beside the mesh, compressed or not. The file appears complete or not at all. Throws
-/// Error(kInput) if it cannot be written, Cancelled.
+/// Writes the cells of `mesh`: points in double precision column by column and upwards, tets
+/// triangle by triangle and upwards, then prisms likewise, as wedges, and the cell data `region`
+/// (Int32: the building whose footprint the cell stands over, by position in the city model, or
+/// -1). Streams: needs little memory beside the mesh, compressed or not. The file appears complete
+/// or not at all. Throws Error(kInput) if it cannot be written, Cancelled.
 ///
 /// `buildings`, those of the city model, become field data, one value a building in that order:
 /// `building_id` and `building_source_ids`, a JSON list (UTF-8 in UInt8, a zero byte behind each
@@ -46,7 +46,7 @@ void write_vtp(const std::filesystem::path& path, const SurfaceMesh& surface,
                const Placement& placement, Compression compression = Compression::kNone,
                std::span<const Building> buildings = {});
 
-/// Reads the tets of a VTU file with raw appended arrays, uncompressed or compressed by
+/// Reads the tets and wedges of a VTU file with raw appended arrays, uncompressed or compressed by
 /// vtkZLibDataCompressor (as write_vtu, and ParaView with these settings, write them). Headers,
 /// connectivity and points of 32 or 64 bits.
 /// Throws Error(kInput) naming the file and what is wrong or not supported, also if the machine has

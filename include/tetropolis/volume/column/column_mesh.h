@@ -1,16 +1,17 @@
-// The volume mesh as columns over the ground mesh: never a list of tets.
+// The volume mesh as columns over the ground mesh: never a list of tets. Columns end at a lid over
+// the roofs, or at the top; what is above the lid has a mesh of its own (upper_mesh.h).
 //
 // Over every vertex of the ground mesh stands a column of nodes with increasing elevations, as many
 // as its surroundings need; over every triangle stands a stack of tets. Starting from the floor
-// (the ground, or a roof), a front of one node per corner climbs to the top: the corner whose next
-// segment has the lowest midpoint goes first, and each step leaves one tet behind:
+// (the ground, or a roof), a front of one node per corner climbs to the columns' ends: the corner
+// whose next segment has the lowest midpoint goes first, and each step leaves one tet behind:
 //
 //            a'        front (a, b, c), next segment a-a':  tet (a, b, c, a'),
 //           /|\        and the front becomes (a', b, c).
 //          / | \                                                                            .
 //         b--|--c      Each tet has exactly one vertical edge, and its volume is a third of the
-//          \ | /       triangle's area times that edge's length: the mesh is valid if and only if
-//            a         every column increases, whatever the elevations.
+//          \ | /       triangle's area times that edge's length: these cells are valid if and only
+//            a         if every column increases, whatever the elevations.
 //
 // The order of two columns' segments depends on these two columns alone, so the triangles on both
 // sides of an edge cut the vertical strip over it in the same way: the mesh is conforming. Ties go
@@ -328,8 +329,9 @@ inline std::array<double, 3> position(const ColumnMesh& mesh, VertexIndex v, Nod
   return {p.x, p.y, mesh.z[node]};
 }
 
-/// What makes the mesh valid (guarantees 4 and 5): every column has at least two nodes and
-/// increases, with its layers below, and fronts pass through the edges of roofs. Throws
+/// What makes the mesh valid up to the lid (guarantees 4 and 5): every column has at least two
+/// nodes and increases, with its layers below and the vertical edges above, and fronts pass through
+/// the edges of roofs. Cells above the lid are measured, too (upper_mesh.h). Throws
 /// Error(kGuarantee) naming the ground vertex otherwise. Returns the shortest vertical edge in
 /// metres. Precondition: `edges` are those of `ground`.
 double require_valid(const ColumnMesh& mesh);

@@ -1,0 +1,31 @@
+// Heights of a case's cells and faces above what is below them. Private to src/case.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "foam_mesh.h"
+
+namespace tetropolis {
+
+/// Per point [m], the elevation of the lowest one over the same place: its ground, or the roof it
+/// stands on.
+std::vector<double> floors_below(const std::vector<Point3>& points);
+
+/// Height [m] of a point in a vertical face `f` above the line between the floors (per point of the
+/// mesh) of the face's ends.
+double height_above_floor(const FoamMesh& mesh, const std::vector<double>& floors, std::size_t f,
+                          const Point3& at);
+
+/// Per cell [m], the mean height of its corners above their floors (per point of the mesh).
+std::vector<double> heights_of_cells(const FoamMesh& mesh, const std::vector<double>& floors);
+
+/// Per cell that owns one of the faces, how high it is above that face [m]: its farthest corner
+/// from the face's plane.
+std::unordered_map<std::int32_t, double> heights_on(const FoamMesh& mesh,
+                                                    std::span<const std::size_t> faces);
+
+}  // namespace tetropolis
