@@ -30,8 +30,7 @@ std::string system_without_points(const RasterHeaders& rasters, const Footprints
                                   std::vector<Warning>& warnings);
 
 /// In `box` (CRS coordinates; empty: all). Pixels without value take the nearest one, with a
-/// warning
-/// ("raster_filled"). Errors: those of read_elevations.
+/// warning ("raster_filled"). Errors: those of read_elevations.
 TerrainInput read_terrain(const Config& config, const RasterHeaders& rasters,
                           const std::string& crs, const Bounds2& box, Point2 origin,
                           std::vector<Warning>& warnings);

@@ -88,7 +88,7 @@ std::string folder_of_wind(double from);
 /// `folder` for each (`folder_of_wind`), whose constant/polyMesh is a relative link to the mesh;
 /// beside them an Allrun for all, and rose.py, which puts the wind of all where people are into one
 /// table. `from` is where the winds come from [degrees], other than `options.wind.from`, which is
-/// not looked at. What is returned is in its order. Errors: as above; kUsage, too, for no wind, and
+/// ignored. What is returned is in its order. Errors: as above; kUsage, too, for no wind, and
 /// for one that comes twice.
 std::vector<OpenfoamCase> write_openfoam_cases(const std::filesystem::path& folder,
                                                const OpenfoamCaseOptions& options,

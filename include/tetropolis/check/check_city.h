@@ -27,11 +27,10 @@ struct CityCheck {
 
 /// Each source id once; footprints finite, simple and oriented, their holes inside them and outside
 /// of each other; parts tile their footprint, to a millionth of its area and edge by edge; roofs
-/// above ground. With `min_distance` (metres, finite, not negative) also:
-/// footprints disjoint (one may stand in another's courtyard), and clearance at least this between
-/// all rings, lines of parts and to the domain's boundary. Without it (a raw model) footprints may
-/// touch and overlap, and clearance is that within each of them. The same result for any number of
-/// threads.
+/// above ground. With `min_distance` (metres, finite, not negative) also: footprints disjoint (one
+/// may stand in another's courtyard), and clearance at least this between all rings, lines of parts
+/// and to the domain's boundary. Without it (a raw model) footprints may touch and overlap, and
+/// clearance is that within each of them. The same result for any number of threads.
 CityCheck check_city(const CityModel& city, std::optional<double> min_distance);
 
 }  // namespace tetropolis

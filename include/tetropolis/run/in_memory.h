@@ -34,7 +34,7 @@ struct MeshInMemory {
 };
 
 // All throw as the commands do: Error, with kUsage for settings out of their range, and Cancelled.
-// `config.out` and what else is about files is not looked at.
+// `config.out` and what else is about files is ignored.
 
 /// Steps 1.1 to 2.3: what `tetropolis city` makes.
 CityInMemory make_city(Config config, InputInMemory input = {}, const StepHooks& hooks = {});

@@ -36,7 +36,7 @@ struct GroundFilterReport {
 };
 
 /// Finds the ground points of a cloud: result[p] is 1 where point p lies on the ground, otherwise
-/// 0. Points of other classes are not looked at.
+/// 0. Points of other classes are ignored.
 ///
 /// The simple morphological filter of Pingel, Clarke & McBride, "An improved simple morphological
 /// filter for the terrain classification of airborne LIDAR data" (ISPRS J. 77, 2013), after Zhang

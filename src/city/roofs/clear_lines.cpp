@@ -14,6 +14,7 @@
 
 #include "tetropolis/geometry/polygon.h"
 
+#include "city/roofs/line_conflicts.h"
 #include "geometry/predicates.h"
 #include "geometry/vec2.h"
 
@@ -30,25 +31,6 @@ constexpr double kFar = std::numeric_limits<double>::infinity();
 Point2 between(Point2 a, Point2 b, double t) {
   return {a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t};
 }
-/// Between two directions from a place, radians.
-double angle_between(Point2 at, Point2 p, Point2 q) {
-  const double ux = p.x - at.x, uy = p.y - at.y, vx = q.x - at.x, vy = q.y - at.y;
-  return std::abs(std::atan2(ux * vy - uy * vx, ux * vx + uy * vy));
-}
-
-/// A node too near to an edge; without a node, an edge too short; with a second edge, two that meet
-/// at too small an angle at the node.
-struct Conflict {
-  double distance;
-  EdgeId edge;
-  NodeId node = kNone;
-  EdgeId second = kNone;
-  friend bool operator<(const Conflict& a, const Conflict& b) {
-    return std::tie(a.distance, a.edge, a.node, a.second) <
-           std::tie(b.distance, b.edge, b.node, b.second);
-  }
-};
-
 /// Up to three.
 struct Nodes {
   NodeId a = kNone, b = kNone, c = kNone;
@@ -67,7 +49,8 @@ class Clearing {
       : lines_(lines),
         points_(points),
         options_(options),
-        min_angle_(options.min_angle * std::numbers::pi / 180) {}
+        min_angle_(options.min_angle * std::numbers::pi / 180),
+        conflicts_(lines, options.clearance, min_angle_) {}
 
   std::vector<Point2> run() {
     split();
@@ -76,7 +59,7 @@ class Clearing {
       constexpr int kFreeRounds = 24;
       only_removals_ = round >= kFreeRounds;
       drop_small_regions();
-      const std::vector<Conflict> found = conflicts();
+      const std::vector<LineConflict> found = conflicts_.all();
       if (found.empty() && !part_pinched()) {
         if (polished || !options_.polish) break;
         polished = true;
@@ -84,8 +67,8 @@ class Clearing {
       }
       bool any = false;
       too_costly_.clear();
-      for (const Conflict& conflict : found)
-        if (still_holds(conflict)) any = resolve(conflict) || any;
+      for (const LineConflict& conflict : found)
+        if (conflicts_.still_holds(conflict)) any = resolve(conflict) || any;
       if (!any && !found.empty() && only_removals_) break;  // the outline's own
       split();
       points_.fit();
@@ -94,92 +77,6 @@ class Clearing {
   }
 
  private:
-  // ---------------------------------------------------------------- what is too close
-
-  bool can_move(EdgeId e) const {
-    const Partition::Edge& edge = lines_.edge(e);
-    return !lines_.node(edge.a).corner || !lines_.node(edge.b).corner || !edge.is_outline();
-  }
-  bool is_short(EdgeId e) const { return can_move(e) && lines_.length(e) < options_.clearance; }
-
-  /// How near node n is to edge e, as far as that is a conflict; infinity otherwise.
-  double nearness(NodeId n, EdgeId e) const {
-    const Partition::Edge& edge = lines_.edge(e);
-    const Partition::Node& node = lines_.node(n);
-    if (edge.has(n) || (edge.is_outline() && node.corner && !can_move(e))) return kFar;
-    const Point2 p = node.p, a = lines_.at(edge.a), b = lines_.at(edge.b);
-    const double d = distance_to_segment(p, a, b);
-    if (!(d < options_.clearance)) return kFar;
-    for (const NodeId end : {edge.a, edge.b}) {
-      const EdgeId common = lines_.edge_between(n, end);
-      if (common == kNone) continue;
-      // Near for its end alone, or for an edge that is too short itself.
-      if (nearest_on_segment(p, a, b) == lines_.at(end) || is_short(common)) return kFar;
-    }
-    return d;
-  }
-
-  double angle(NodeId n, EdgeId e, EdgeId f) const {
-    if (lines_.edge(e).is_outline() && lines_.edge(f).is_outline()) return kFar;
-    return angle_between(lines_.at(n), lines_.at(lines_.edge(e).other(n)),
-                         lines_.at(lines_.edge(f).other(n)));
-  }
-
-  template <typename Visit>
-  void for_each_conflict_at(EdgeId e, const Visit& visit) const {
-    const Partition::Edge& edge = lines_.edge(e);
-    if (is_short(e)) visit(Conflict{lines_.length(e), e});
-    Bounds2 box = Bounds2::nothing();
-    box.extend(lines_.at(edge.a));
-    box.extend(lines_.at(edge.b));
-    constexpr double kRounding = 1e-6;  // far beyond, metres
-    const Bounds2 reach = box.grown(options_.clearance + kRounding);
-    lines_.for_each_edge_near(reach, [&](EdgeId other) {
-      for (const NodeId n : {lines_.edge(other).a, lines_.edge(other).b}) {
-        if (!reach.contains(lines_.at(n))) continue;
-        if (const double d = nearness(n, e); d < options_.clearance) visit(Conflict{d, e, n});
-      }
-    });
-    for (const NodeId n : {edge.a, edge.b})
-      for (const EdgeId f : lines_.node(n).edges)
-        if (f != e)
-          if (const double a = angle(n, e, f); a < min_angle_)
-            // As far apart as the ends of the shorter are.
-            visit(Conflict{options_.clearance * a / min_angle_, std::min(e, f), n, std::max(e, f)});
-  }
-
-  std::vector<Conflict> conflicts() const {
-    std::set<Conflict> found;
-    for (EdgeId e = 0; e < lines_.edges().size(); ++e)
-      if (lines_.edge(e).alive)
-        for_each_conflict_at(e, [&](const Conflict& conflict) { found.insert(conflict); });
-    return {found.begin(), found.end()};
-  }
-
-  bool still_holds(const Conflict& c) const {
-    if (!lines_.edge(c.edge).alive) return false;
-    if (c.node == kNone) return is_short(c.edge);
-    if (c.second == kNone)
-      return !lines_.node(c.node).edges.empty() && nearness(c.node, c.edge) < options_.clearance;
-    return lines_.edge(c.second).alive && lines_.edge(c.edge).has(c.node) &&
-           lines_.edge(c.second).has(c.node) && angle(c.node, c.edge, c.second) < min_angle_;
-  }
-
-  /// Whether nothing is too close to a node and its edges.
-  bool is_clear(NodeId n) const {
-    bool clear = true;
-    const auto note = [&](const Conflict&) { clear = false; };
-    for (const EdgeId e : lines_.node(n).edges)
-      if (clear) for_each_conflict_at(e, note);
-    if (!clear) return false;
-    // Other edges near to the node, and angles at its neighbours.
-    const Point2 p = lines_.at(n);
-    lines_.for_each_edge_near(Bounds2{p.x, p.y, p.x, p.y}.grown(options_.clearance), [&](EdgeId e) {
-      if (clear && nearness(n, e) < options_.clearance) clear = false;
-    });
-    return clear;
-  }
-
   // ---------------------------------------------------------------- what things cost
 
   Region left_of(EdgeId e, NodeId from) const {
@@ -298,7 +195,7 @@ class Clearing {
   bool move_if_clear(NodeId n, Point2 to) {
     const Point2 from = lines_.at(n);
     if (!lines_.move(n, to)) return false;
-    if (is_clear(n)) return true;
+    if (conflicts_.is_clear(n)) return true;
     lines_.put_back(n, from);
     return false;
   }
@@ -527,7 +424,7 @@ class Clearing {
     return false;
   }
 
-  bool resolve(const Conflict& conflict) {
+  bool resolve(const LineConflict& conflict) {
     ways_.clear();
     merges_.clear();
     const Partition::Edge edge = lines_.edge(conflict.edge);
@@ -614,6 +511,7 @@ class Clearing {
   RegionPoints& points_;
   const ClearLinesOptions& options_;
   double min_angle_;
+  LineConflicts conflicts_;
   bool only_removals_ = false;
   bool is_too_costly_ = false;
   std::vector<Point2> too_costly_;

@@ -41,7 +41,7 @@ struct MergedPolygon {
 /// in the gaps narrower than `distance`, of `growths` reaches, the first as long as `distance` and
 /// each twice the one before; then with a box across the narrowest place between every two parts,
 /// which joins what touches in a point; then with the parts' hulls; then the hull of all. Whether
-/// features inside the result are far enough apart is not looked at here (repair.h does), which
+/// features inside the result are far enough apart is not checked here (repair.h does), which
 /// keeps hulls rare where the paper's test of the whole polygon, applied to input that itself has
 /// short edges, makes them common.
 MergedPolygon merge_polygons(std::span<const Polygon> cluster, double distance, int growths,

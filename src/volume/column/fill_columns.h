@@ -122,13 +122,12 @@ double estimate_cells(const ColumnPlan& plan);
 /// How many nodes each column gets, and which of them are at floors; z has its size and no values.
 /// Columns go from the lowest floor of the regions around them to the top, with a node at each
 /// floor; floors of the same elevation share it. Each piece between two of these elevations is
-/// divided into the number of
-/// segments that comes closest to the spacing, at least one. A piece that begins at the
-/// foot of a cliff (the spacing is less than 0.6 of what the highest ground beside rises above it)
-/// has two segments of 0.6 and 0.4 of that rise first, as far as it reaches: the tets between its
-/// column and the edge of the cliff would otherwise be slivers, as atan(r) - atan(r - s / d) with
-/// r = rise / d at distance d falls with r squared for a fixed spacing s. Throws Error(kGuarantee)
-/// naming the vertex if the elevations do not increase.
+/// divided into the number of segments that comes closest to the spacing, at least one. A piece
+/// that begins at the foot of a cliff (the spacing is less than 0.6 of what the highest ground
+/// beside rises above it) has two segments of 0.6 and 0.4 of that rise first, as far as it reaches:
+/// the tets between its column and the edge of the cliff would otherwise be slivers, as atan(r) -
+/// atan(r - s / d) with r = rise / d at distance d falls with r squared for a fixed spacing s.
+/// Throws Error(kGuarantee) naming the vertex if the elevations do not increase.
 ColumnMesh divide_columns(GroundMesh ground, EdgeGraph edges, const ColumnPlan& plan);
 
 /// Sets z: exact at floors and top; and levels, where roofs are not all horizontal. `mesh` as made

@@ -43,7 +43,7 @@ struct ExcavationSources {
 /// those in the triangles outside buildings. Where the terrain dips below that, nothing beyond is
 /// touched; a hillside steeper than the steeper of `slopes` is excavated to its crest. `ground`:
 /// elevation per vertex; `building` as from lowest_roofs; `marks`: each list of its size, or empty;
-/// `walls` are not looked at.
+/// `walls` are ignored.
 ExcavationSources excavate(const GroundMesh& mesh, std::span<const RegionIndex> building,
                            const RoofHeights& roofs, const ExcavationMarks& marks,
                            const ExcavationSlopes& slopes, std::vector<double>& ground);

@@ -1,13 +1,14 @@
 // From columns that are valid to columns above the floor of quality.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <functional>
 
 #include "tetropolis/terrain/raster.h"
 
 #include "core/step_clock.h"
 #include "excavate.h"
+#include "improve_place.h"
 #include "volume/column/fill_columns.h"
 #include "volume/quality/measured_mesh.h"
 
@@ -15,16 +16,6 @@ namespace tetropolis {
 
 /// Cells that reports list.
 inline constexpr std::size_t kWorstCells = 10;
-
-struct QualityFloorOptions {
-  ColumnPlanOptions plan;           ///< That the columns were planned with.
-  double gentlest_deg = 56;         ///< Terrain is excavated to slopes of 75, 66 or, where neither
-                                    ///< is enough, so many degrees; 90: nowhere.
-  std::int64_t work = 200'000'000;  ///< Cells that the searches at one place, for one slope, may
-                                    ///< look at; a cell takes some 70 ns.
-  /// Throws if so many cells are too many. May be empty.
-  std::function<void(double cells)> require_fits;
-};
 
 struct ImprovedColumns {
   Columns columns;

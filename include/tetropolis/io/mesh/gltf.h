@@ -16,9 +16,8 @@ namespace tetropolis {
 /// each with its own vertices: positions in single precision (x, z, -y), as glTF's y axis points
 /// up, always in the local frame, since the numbers of a CRS do not fit into single precision.
 /// Faces have the orientation of `surface`; there are no normals, for which viewers shade flat. The
-/// number of the patch is extras.patch of its node. The position of the local zero in the CRS,
-/// shift
-/// + origin of `placement` in the CRS's axes, is asset.extras.origin.
+/// number of the patch is extras.patch of its node. asset.extras.origin is where the local zero is
+/// in the CRS, in its axes: the sum of `placement`'s shift and origin.
 ///
 /// With `buildings`, those of the city model, vertices of roofs and walls have the number of their
 /// building as a feature id (EXT_mesh_features, attribute _FEATURE_ID_0), and the property table

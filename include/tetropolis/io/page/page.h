@@ -37,7 +37,7 @@ struct PageMesh {
   bool is_shown = false;    ///< Within kMostPageTriangles.
   bool has_volume = false;  ///< Within `most_cells`, too.
   std::int32_t layers = 0;  ///< Of prisms, if it has the volume.
-  bool is_whole = false;    ///< All of them are.
+  bool is_whole = false;    ///< All cells are prisms.
   std::string blocks = {};  ///< Members of the page's object of data.
 };
 

@@ -16,7 +16,7 @@ class QualityHistogram {
   void add(std::span<const double> greatest_cosines, std::span<const double> squared_aspect_ratios,
            std::int64_t inverted, int times = 1);
   void add_volume(double volume) { volume_ += volume; }
-  /// Tells the extremes: those of tets with these figures.
+  /// The extremes take in those of tets with these figures.
   void widen(double greatest_cosine, double least_cosine, double aspect_ratio);
   void merge(const QualityHistogram& other);
 
