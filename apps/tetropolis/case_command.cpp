@@ -56,7 +56,8 @@ void read_winds(const std::string& words, CaseArguments& arguments) {
 bool is_of_other_wind(const OpenfoamCase::Side& side) {
   return (side.patch == "inlet" && side.role != SideRole::kInlet) ||
          (side.patch == "outlet" && side.role != SideRole::kOutlet) ||
-         (side.patch.starts_with("side_") && side.role != SideRole::kAlong);
+         ((side.patch == "side_left" || side.patch == "side_right") &&
+          side.role != SideRole::kAlong);
 }
 
 std::string sides_of(const OpenfoamCase& made) {
@@ -94,13 +95,14 @@ void tell(const CaseArguments& arguments, const std::vector<OpenfoamCase>& cases
     console.line(fmt::format(
         "note     {} of {} cells on the ground are lower than {} times its roughness: the wind "
         "near "
-        "the ground comes out too fast; raise --mesh-size, or give the ground among the buildings "
-        "its own --ground-roughness",
+        "the ground comes out too fast; raise --mesh-size (of prisms: --first-layer), or give the "
+        "ground among the buildings its own --ground-roughness",
         made.shallow, made.ground_faces, kRoughnessLengths));
   if (made.ground_faces > 0 && 2 * made.first_cell > options.sample_height)
     console.line(fmt::format(
         "note     {} m above the ground is in the first two cells, where the wall function rules: "
-        "cells lower than {:.2f} m would resolve the wind there (a smaller --mesh-size)",
+        "cells lower than {:.2f} m would resolve the wind there (a smaller --mesh-size, or "
+        "--boundary-layers)",
         options.sample_height, options.sample_height / 2));
   if (std::any_of(cases.begin(), cases.end(), [](const OpenfoamCase& one) {
         return std::any_of(one.sides.begin(), one.sides.end(), is_of_other_wind);

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tetropolis/city/roof_summary.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/cityjson/cityjson.h"
@@ -95,7 +96,7 @@ void info_city(const std::string& path) {
   double total = 0, lowest = 0, highest = 0;
   for (const Building& building : city.buildings) {
     total += area(building.footprint);
-    const double height = building.h_roof - building.h_ground;
+    const double height = highest_roof(building) - building.h_ground;
     lowest = &building == &city.buildings.front() ? height : std::min(lowest, height);
     highest = std::max(highest, height);
   }
@@ -286,9 +287,12 @@ void print_report(const std::string& path, const Json& report) {
     // Graded columns have no layers; their "layers" is what uniform ones would have been.
     const bool layered =
         report.value("config", Json::object()).value("layering", "") == std::string("uniform");
-    const bool has_prisms = mesh.contains("prisms") && mesh["prisms"].value("cells", 0) > 0;
+    const auto prisms = mesh.contains("prisms") ? mesh["prisms"].value("cells", 0LL) : 0;
+    const auto cells = mesh.value("cells", 0LL);
     put(stdout, fmt::format("  volume: {} {}{}, {} inverted\n", count(mesh, "cells"),
-                            has_prisms ? "tets and prisms" : "tets",
+                            prisms == 0       ? "tets"
+                            : prisms == cells ? "prisms"
+                                              : "tets and prisms",
                             layered ? fmt::format(" in {} layers", count(mesh, "layers")) : "",
                             count(mesh, "inverted")));
   }

@@ -36,8 +36,11 @@ bool has_file(const Report& report, std::string_view name) {
 
 /// "282 m x 249 m at 52.0121 N, 4.3591 E (Netherlands)".
 std::string where(const Report& report) {
-  const Bounds2& domain = report.domain;
-  return fmt::format("{:.0f} m x {:.0f} m{}", domain.width(), domain.height(),
+  const Bounds2& box = report.domain;
+  const WindDomainFacts domain = report.city ? report.city->domain : WindDomainFacts{};
+  const bool is_fitted = domain.length > 0;
+  return fmt::format("{:.0f} m x {:.0f} m{}", is_fitted ? domain.length : box.width(),
+                     is_fitted ? domain.width : box.height(),
                      report.place ? " at " + place_text(*report.place) : ", of unknown place");
 }
 
@@ -116,10 +119,11 @@ void say_quality(const Report& report, std::vector<std::string>& lines) {
                                 grouped(report.ground_mesh->triangles),
                                 report.ground_mesh->min_angle_deg));
   if (report.surface_mesh)
-    lines.push_back(fmt::format("boundary   {} triangles, {}, {}",
-                                grouped(report.surface_mesh->triangles),
-                                report.surface_mesh->closed ? "closed" : "open",
-                                report.surface_mesh->manifold ? "manifold" : "not manifold"));
+    lines.push_back(
+        fmt::format("boundary   {} faces, {}, {}",
+                    grouped(report.surface_mesh->triangles + report.surface_mesh->quads),
+                    report.surface_mesh->closed ? "closed" : "open",
+                    report.surface_mesh->manifold ? "manifold" : "not manifold"));
   if (report.city && std::isfinite(report.city->min_clearance))
     lines.push_back(
         fmt::format("clearance  {:.3f} m between outlines", report.city->min_clearance));

@@ -125,6 +125,18 @@ def test_geopandas(city):
     assert merged == city.report["input"]["footprint_parts"]
 
 
+def test_prisms_alone_are_improved(tmp_path):
+    """On this relief prisms as they are laid have a skewness of 2.1."""
+    tp.synth(tmp_path, kind="blocks", size=300, roofs="sloped", seed=5, relief=80)
+    city = tp.build_city(tmp_path / "footprints.shp", tmp_path)
+    mesh = tp.build_mesh(city, cells="prisms", boundary_layers=5)
+    assert mesh.quality["columns_improved"] > 0
+    assert mesh.quality["prisms"]["skewness"]["max"] < 1.9
+    # Tets above layers keep the columns that were improved for them.
+    layered, plain = (tp.build_mesh(city, boundary_layers=n).quality["columns_improved"] for n in (5, 0))
+    assert (layered > 0) == (plain > 0)
+
+
 def test_canopies(shared_city, tmp_path):
     """Trees of the whole domain, by the vegetation that the points measure, and of a stated height."""
     x, y = shared_city.origin

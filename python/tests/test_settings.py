@@ -1,5 +1,6 @@
 """Keyword arguments are the program's settings: names, defaults, help, errors."""
 import inspect
+import json
 import re
 import subprocess
 
@@ -101,3 +102,22 @@ def test_domain_along_the_wind(data):
     numbers = {name: number for number, name in mesh.boundary.patches.items()}
     assert all((mesh.boundary.patch == numbers[name]).any() for name in ("inlet", "outlet", "side_left", "side_right"))
     assert not (mesh.boundary.patch == numbers["xmin"]).any()
+
+
+def test_a_polygon_domain_counts_what_it_holds(data, tmp_path):
+    whole = tp.build_city(data / "footprints.shp", data)
+    xmin, ymin, xmax, ymax = (a + o for a, o in zip(whole.domain, 2 * whole.origin[:2]))
+    middle = (xmin + xmax) / 2
+    ring = [[xmin, ymin], [middle - 30, ymin], [middle + 30, ymax], [xmin, ymax], [xmin, ymin]]
+    polygon = tmp_path / "domain.geojson"
+    polygon.write_text(json.dumps({
+        "type": "FeatureCollection", "crs": {"type": "name", "properties": {"name": whole.crs}},
+        "features": [{"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [ring]}}]}))
+    city = tp.build_city(data / "footprints.shp", data, domain=str(polygon))
+    report = city.report["city"]
+    assert 0 < len(city) < len(whole)
+    assert report["roofs"]["parts"] == len(city.parts) < len(whole.parts)
+    # Buildings too close to the sides are left out late; most are not read at all.
+    assert report["volume_after"] == pytest.approx(report["volume_before"], rel=0.1)
+    reasons = [dropped["reason"] for dropped in report["dropped"]]
+    assert report["account"]["outside"] == reasons.count("outside the domain") > 0

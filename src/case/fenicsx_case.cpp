@@ -39,7 +39,6 @@ from petsc4py import PETSc
 WIND = (@X@, @Y@, 0)  # m/s, to the east and to the north
 DIFFUSIVITY = 2.0  # m2/s, of turbulence
 RADIUS = 5.0  # m, of the chimney's cloud, which gives one gram a second
-GROUND = 1  # number of the patch
 
 HERE = pathlib.Path(__file__).resolve().parent
 with io.XDMFFile(MPI.COMM_WORLD, str(HERE / "volume.xdmf"), "r") as file:
@@ -49,7 +48,8 @@ with io.XDMFFile(MPI.COMM_WORLD, str(HERE / "boundary.xdmf"), "r") as file:
     patches = file.read_meshtags(mesh, name="boundary")
 NAMES = {int(number): name for name, number in
          re.findall(r'key="([^"]*)" dim="2">(\d+)<', (HERE / "boundary.xdmf").read_text())}
-LAND = ("ground", "roof", "wall", "top", "water", "road", "vegetation")
+OPEN = ("ground", "water", "road", "vegetation")
+LAND = (*OPEN, "roof", "wall", "top")
 SIDES = sorted(number for number in set().union(*mesh.comm.allgather(set(patches.values.tolist())))
                if NAMES.get(number) not in LAND)
 
@@ -95,7 +95,8 @@ phi = solve(ufl.inner(ufl.grad(trial), ufl.grad(test)) * ufl.dx,
 velocity = ufl.grad(phi)
 
 # The chimney stands on the ground nearest to the middle of the domain.
-ground = fem.locate_dofs_topological(space, 2, patches.find(GROUND))
+facets = np.concatenate([patches.find(number) for number, name in NAMES.items() if name in OPEN])
+ground = fem.locate_dofs_topological(space, 2, facets)
 points = space.tabulate_dof_coordinates()
 low, high = mesh.comm.allreduce(points.min(0), MPI.MIN), mesh.comm.allreduce(points.max(0), MPI.MAX)
 candidates = np.concatenate(mesh.comm.allgather(points[ground]))

@@ -452,12 +452,14 @@ void drop_outliers(PointLists& lists, const PointCloud& cloud, double sigma) {
 BuildingPoints merge_building_points(const BuildingPoints& points,
                                      std::span<const std::vector<BuildingIndex>> members) {
   BuildingPoints merged{merge_lists(points.roof, members), merge_lists(points.ground, members), {}};
-  for (const std::vector<BuildingIndex>& sources : members)
-    merged.by_exclusion.push_back(
-        std::any_of(sources.begin(), sources.end(), [&](BuildingIndex source) {
-          const auto s = static_cast<std::size_t>(source);
-          return points.by_exclusion[s] != 0 && !points.roof[s].empty();
-        }));
+  for (const std::vector<BuildingIndex>& sources : members) {
+    std::uint8_t mark = 0;
+    for (const BuildingIndex source : sources) {
+      const auto s = static_cast<std::size_t>(source);
+      if (!points.roof[s].empty()) mark = std::max(mark, points.by_exclusion[s]);
+    }
+    merged.by_exclusion.push_back(mark);
+  }
   return merged;
 }
 

@@ -121,6 +121,9 @@ void require_sizes(const GroundMeshOptions& options) {
     throw Error(ErrorKind::kUsage,
                 fmt::format("far_size {} is below mesh_size {}: edges grow away from buildings",
                             grading.far_size, options.mesh_size));
+  if (!(grading.ground_size >= 0))
+    throw Error(ErrorKind::kUsage,
+                fmt::format("ground_size {}: must not be negative", grading.ground_size));
   if (!(grading.growth > 1))
     throw Error(ErrorKind::kUsage, fmt::format("size_growth {}: must be above 1", grading.growth));
   for (const SizeRegion& region : grading.regions)

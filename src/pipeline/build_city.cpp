@@ -378,9 +378,12 @@ HeightSources make_raw_city(const BuildCityOptions& options, CityInput& input, S
   raw.domain = input.domain;
   raw.crs = input.crs;
   result.terrain = make_terrain(options, input, clock, result);
+  std::optional<Domain> outline;
+  if (options.domain.shape == DomainShape::kPolygon)
+    outline = polygon_domain(options.domain.polygon, raw.origin);
   CleanFeatures clean = clock.run("1.4", "clean footprints", [&](const Progress& progress) {
-    return clean_features(options, input.footprints, raw.domain, input.covered, result.warnings,
-                          progress);
+    return clean_features(options, input.footprints, raw.domain, input.covered, outline,
+                          result.warnings, progress);
   });
   result.facts.area_at_boundary = clean.area_lost;
   warn_of_boundary(clean, result.warnings);

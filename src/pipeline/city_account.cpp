@@ -96,7 +96,8 @@ std::string account_in_words(const CityFacts& facts, const BuildCityOptions& opt
   const FootprintAccount& account = facts.account;
   if (account.features == 0) return {};
   const double distance = options.simplify.min_distance;
-  const bool clips = options.boundary_buildings == BoundaryBuildings::kClip;
+  const bool clips = options.boundary_buildings == BoundaryBuildings::kClip ||
+                     options.domain.shape == DomainShape::kPolygon;
   std::vector<std::string> kept, dropped;
   const auto tell = [](std::vector<std::string>& list, std::int64_t count,
                        const std::string& what) {

@@ -87,10 +87,15 @@ Kept at_boundary(const char* reason) { return {{}, 0, reason, DropCause::kBounda
 
 /// `cleaned.lost_area` grows by what the boundary cuts off and is left out.
 Kept keep_inside(const BuildCityOptions& options, const Polygon& feature, const Domain& domain,
-                 const std::optional<Bounds2>& covered, CleanedFootprint& cleaned,
-                 std::vector<Polygon>& crossing) {
+                 const std::optional<Bounds2>& covered, const std::optional<Domain>& outline,
+                 CleanedFootprint& cleaned, std::vector<Polygon>& crossing) {
   if (domain.position_of(feature) == DomainPosition::kOutside) return outside();
   if (!cleaned.usable()) return {{}, 0, cleaned.reason};
+  if (outline) {
+    const DomainPosition position = outline->position_of(cleaned.polygon);
+    if (position == DomainPosition::kOutside) return outside();
+    if (position == DomainPosition::kCrossing) return at_boundary("crosses the domain boundary");
+  }
   const std::uint32_t flags = cleaned.repaired ? kRepaired : 0U;
   const bool is_dropped = options.boundary_buildings == BoundaryBuildings::kDrop;
   // Of what is left: a spike without width may have reached across the boundary.
@@ -126,7 +131,8 @@ Kept keep_inside(const BuildCityOptions& options, const Polygon& feature, const 
 
 CleanFeatures clean_features(const BuildCityOptions& options, const FootprintsInput& input,
                              const Domain& domain, const std::optional<Bounds2>& covered,
-                             std::vector<Warning>& warnings, const Progress& progress) {
+                             const std::optional<Domain>& outline, std::vector<Warning>& warnings,
+                             const Progress& progress) {
   std::vector<CleanedFootprint> clean = clean_all(options, input, domain, progress);
   CleanFeatures result;
   result.dropped.assign(input.dropped.begin(), input.dropped.end());
@@ -134,7 +140,8 @@ CleanFeatures clean_features(const BuildCityOptions& options, const FootprintsIn
   PartIds part_ids(input);
   for (std::size_t i = 0; i < clean.size(); ++i) {
     const Footprint& feature = input.features[i];
-    Kept kept = keep_inside(options, feature.polygon, domain, covered, clean[i], result.crossing);
+    Kept kept =
+        keep_inside(options, feature.polygon, domain, covered, outline, clean[i], result.crossing);
     result.area += total_area(kept.parts);
     if (kept.parts.empty()) {
       result.dropped.push_back({feature.source_id, std::move(kept.reason), kept.cause});

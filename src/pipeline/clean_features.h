@@ -26,10 +26,12 @@ struct CleanFeatures {
 /// Cleans the features that meet `domain`, and clips or drops those across its boundary, as
 /// options.boundary_buildings says. `covered`, if the domain is the default one: the box of the
 /// points; features of which it holds less than half are dropped, too, unless they are clipped.
+/// `outline`, if the domain becomes a polygon: what is not inside is dropped.
 /// Every feature ends in `buildings` or in `dropped`. Features that have lost parts are one
 /// warning.
 CleanFeatures clean_features(const BuildCityOptions& options, const FootprintsInput& input,
                              const Domain& domain, const std::optional<Bounds2>& covered,
-                             std::vector<Warning>& warnings, const Progress& progress);
+                             const std::optional<Domain>& outline, std::vector<Warning>& warnings,
+                             const Progress& progress);
 
 }  // namespace tetropolis

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "tetropolis/ground/mesh_ground.h"
+#include "tetropolis/pipeline/wind_domain.h"
 #include "tetropolis/volume/column/boundary.h"
 
 #include "city/roofs/divide_ground.h"
@@ -81,7 +82,7 @@ double steep_slope(const Raster& dtm, const Domain& domain) {
   for (std::int32_t j = 0; j + 1 < dtm.ny; ++j)
     for (std::int32_t i = 0; i + 1 < dtm.nx; ++i) {
       const Point2 centre{dtm.x0 + (i + 0.5) * dtm.step, dtm.y0 + (j + 0.5) * dtm.step};
-      if (!box.contains(centre)) continue;
+      if (!box.contains(centre) || !domain.contains(centre)) continue;
       const double a = dtm.at(i, j), b = dtm.at(i + 1, j), c = dtm.at(i, j + 1);
       const double d = dtm.at(i + 1, j + 1);
       const double rise = std::hypot((b + d - a - c) / 2, (c + d - a - b) / 2) / dtm.step;
@@ -95,6 +96,14 @@ double steep_slope(const Raster& dtm, const Domain& domain) {
       return (static_cast<double>(bin) + 0.5) / kPerDegree;
   }
   return 0;
+}
+
+/// Higher than that of the file, if roofs have been raised since: more than files round.
+double own_top_of(const CityModel& city) {
+  constexpr double kRounding = 0.01;
+  if (city.buildings.empty()) return city.domain_top;
+  const double top = guideline_top(city);
+  return top > city.domain_top + kRounding ? top : city.domain_top;
 }
 
 /// Options for cells that are prisms, or tets where the terrain is too steep for them.
@@ -409,7 +418,7 @@ void add_boundary_layers(const MeshCityOptions& options, const ColumnPlan& plan,
   lay_prisms(plan.lift, options.boundary_layers, mesh);
   if (alone) make_whole(mesh);
   facts.prisms = measure_prisms(mesh, options.boundary_layers.first);
-  if (alone || is_within(facts.prisms, PrismAims{})) return;
+  if (!alone || is_within(facts.prisms, PrismAims{})) return;
   facts.columns_improved = improve_prisms(mesh, PrismAims{});
   facts.prisms = measure_prisms(mesh, options.boundary_layers.first);
 }
@@ -445,7 +454,7 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
       for_prisms(in_local_frame(given, origin), city, terrain, result.warnings);
   const double highest = highest_under(terrain, city.domain.bounds());
   if (options.own_top && city.domain_top > highest)
-    options.domain_height = city.domain_top - highest;
+    options.domain_height = own_top_of(city) - highest;
   const CitySize size = size_of(options, city, terrain);
   const Surfaces surfaces = surfaces_of(options, city, clock, result);
   if (options.target_cells > 0) {

@@ -72,12 +72,20 @@ void warn_of_canopies(const CellZones& zones, std::vector<Warning>& warnings) {
 }
 
 void warn_of_prisms(const PrismQuality& prisms, std::vector<Warning>& warnings) {
-  if (prisms.above_70 == 0) return;
-  warnings.push_back(
-      {"prisms_sheared", prisms.above_70,
-       fmt::format("faces of prisms are more than 70 degrees non-orthogonal ({:.1f} at most): the "
-                   "ground is as steep there; a lower cut_slope, or fewer boundary_layers",
-                   prisms.max_non_orthogonality_deg)});
+  if (prisms.above_70 > 0)
+    warnings.push_back(
+        {"prisms_sheared", prisms.above_70,
+         fmt::format(
+             "faces of prisms are more than 70 degrees non-orthogonal ({:.1f} at most): the "
+             "ground is as steep there; a lower cut_slope, or fewer boundary_layers",
+             prisms.max_non_orthogonality_deg)});
+  if (prisms.max_skewness >= kMostSkewed)
+    warnings.push_back(
+        {"prisms_skewed", 1,
+         fmt::format("a face of a prism, or more, has a skewness of {:.2f}, where less than {} is "
+                     "meant for all: the ground is steep there; a lower cut_slope, or fewer "
+                     "boundary_layers",
+                     prisms.max_skewness, kMostSkewed)});
 }
 
 void warn_below_floor(const MeshCityOptions& options, const MeshQuality& quality,

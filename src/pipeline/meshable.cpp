@@ -114,8 +114,9 @@ std::size_t drop_unmeshable(CityModel& city, double min_distance) {
   std::erase_if(city.buildings, [&](const Building& building) {
     const std::string reason = reason_to_leave_out(building, city.domain, min_distance);
     if (reason.empty()) return false;
+    const bool is_outside = city.domain.position_of(building.footprint) == DomainPosition::kOutside;
     for (const std::string& id : building.source_ids)
-      city.dropped.push_back({id, reason, DropCause::kBoundary});
+      city.dropped.push_back({id, reason, is_outside ? DropCause::kOutside : DropCause::kBoundary});
     return true;
   });
   return city.dropped.size() - before;

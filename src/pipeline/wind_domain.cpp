@@ -107,28 +107,6 @@ Domain cylinder(Point2 centre, double radius, int sectors) {
   return {std::move(ring), std::move(patches), std::move(infos)};
 }
 
-Domain given_polygon(const Polygon& polygon, Point2 origin) {
-  Ring ring;
-  for (const Point2 p : polygon.outer)
-    if (const Point2 q = snap_coordinate(Point2{p.x - origin.x, p.y - origin.y});
-        ring.empty() || q != ring.back())
-      ring.push_back(q);
-  if (ring.size() > 1 && ring.front() == ring.back()) ring.pop_back();
-  if (!polygon.holes.empty() || ring.size() < 3 || !geos::is_valid(std::array{Polygon{ring, {}}}))
-    throw Error(ErrorKind::kInput,
-                "domain: the polygon crosses itself or has holes; give a simple one");
-  if (signed_area(ring) < 0) std::reverse(ring.begin(), ring.end());
-  std::vector<Patch> patches;
-  std::vector<PatchInfo> infos;
-  const bool is_one = ring.size() > kMostSidePatches;
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    patches.push_back(own_patch(is_one ? 0 : i));
-    if (!is_one) infos.push_back({patches.back(), fmt::format("side_{}", i + 1), PatchKind::kSide});
-  }
-  if (is_one) infos.push_back({own_patch(0), "side", PatchKind::kSide});
-  return {std::move(ring), std::move(patches), std::move(infos)};
-}
-
 /// The patch of a box along an axis that the wind blows in through.
 std::string inlet_of(const Domain& domain, Point2 along) {
   if (!domain.own_patches().empty()) return "inlet";
@@ -152,13 +130,6 @@ const Building& tallest_of(const CityModel& city) {
   return *std::max_element(
       city.buildings.begin(), city.buildings.end(),
       [](const Building& a, const Building& b) { return height_of(a) < height_of(b); });
-}
-
-double top_over(const CityModel& city, double height) {
-  double highest = -kInfinity;
-  for (const Building& building : city.buildings)
-    highest = std::max(highest, highest_roof(building));
-  return highest + kAbove * height;
 }
 
 /// The highest of the shadows at each step across the wind.
@@ -224,18 +195,40 @@ void fit_cylinder(const Surroundings& around, int sectors, CityModel& city,
 
 void take_polygon(const Polygon& polygon, double min_distance, CityModel& city,
                   std::vector<Warning>& warnings) {
-  city.domain = given_polygon(polygon, city.origin);
+  city.domain = polygon_domain(polygon, city.origin);
   const std::size_t before = city.dropped.size();
   const std::size_t left_out = drop_unmeshable(city, min_distance);
   if (left_out == 0) return;
   warnings.push_back(
       {"outside_domain", static_cast<std::int64_t>(left_out),
-       fmt::format("features are left out, the first, {}: {}; the polygon of the domain does not "
-                   "hold them",
+       fmt::format("features are left out, the first, {}: {}; the polygon of the domain leaves no "
+                   "room for them",
                    city.dropped[before].source_id, city.dropped[before].reason)});
 }
 
 }  // namespace
+
+Domain polygon_domain(const Polygon& polygon, Point2 origin) {
+  Ring ring;
+  for (const Point2 p : polygon.outer)
+    if (const Point2 q = snap_coordinate(Point2{p.x - origin.x, p.y - origin.y});
+        ring.empty() || q != ring.back())
+      ring.push_back(q);
+  if (ring.size() > 1 && ring.front() == ring.back()) ring.pop_back();
+  if (!polygon.holes.empty() || ring.size() < 3 || !geos::is_valid(std::array{Polygon{ring, {}}}))
+    throw Error(ErrorKind::kInput,
+                "domain: the polygon crosses itself or has holes; give a simple one");
+  if (signed_area(ring) < 0) std::reverse(ring.begin(), ring.end());
+  std::vector<Patch> patches;
+  std::vector<PatchInfo> infos;
+  const bool is_one = ring.size() > kMostSidePatches;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    patches.push_back(own_patch(is_one ? 0 : i));
+    if (!is_one) infos.push_back({patches.back(), fmt::format("side_{}", i + 1), PatchKind::kSide});
+  }
+  if (is_one) infos.push_back({own_patch(0), "side", PatchKind::kSide});
+  return {std::move(ring), std::move(patches), std::move(infos)};
+}
 
 double frontal_area(const CityModel& city, Point2 along) {
   const Bounds2 box = extent_in_frame(city, along);
@@ -253,6 +246,13 @@ double frontal_area(const CityModel& city, Point2 along) {
     if (building.parts.empty()) add(building.footprint, [&](Point2) { return building.h_roof; });
   }
   return skyline.area();
+}
+
+double guideline_top(const CityModel& city) {
+  double highest = -kInfinity;
+  for (const Building& building : city.buildings)
+    highest = std::max(highest, highest_roof(building));
+  return snap_height(highest + kAbove * height_of(tallest_of(city)));
 }
 
 WindDomainFacts fit_wind_domain(const WindDomainOptions& options, double min_distance,
@@ -285,7 +285,7 @@ WindDomainFacts fit_wind_domain(const WindDomainOptions& options, double min_dis
     facts.guideline_width = around.core.height() + 2 * kSides * around.height;
     facts.guideline_height = (1 + kAbove) * around.height;
     facts.guideline_blockage = around.frontal / (facts.guideline_width * facts.guideline_height);
-    city.domain_top = snap_height(top_over(city, around.height));
+    city.domain_top = guideline_top(city);
   }
   if (options.shape == DomainShape::kBox) {
     fit_box(around, city, facts);

@@ -100,8 +100,9 @@ class Colours {
     const bool by_class = colour_ == PictureColour::kClass || colour_ == PictureColour::kQuality;
     if (by_class || !building.valid())
       return kind == PatchKind::kRoof ? palette.roof : palette.wall;
-    const Rgb roof = colour_ == PictureColour::kBuilding ? colour_of(building)
-                                                         : ramp(heights_.at(building) / highest_);
+    const Rgb roof = colour_ == PictureColour::kBuilding
+                         ? colour_of(building)
+                         : ramp(heights_.at(building) / std::max(highest_, 1e-9));
     return kind == PatchKind::kRoof ? roof : mix(roof, palette.wall, 0.5F);
   }
 

@@ -114,6 +114,30 @@ class Sides {
   std::vector<Line> lines_;
 };
 
+/// Walls are of the building whose roof, or other wall, they touch.
+void name_walls(SurfaceMesh& surface) {
+  std::vector<BuildingIndex> at(surface.points.size(), kNoBuilding);
+  const auto mark = [&](std::size_t f) {
+    for (const std::int32_t v : surface.triangles[f])
+      at[static_cast<std::size_t>(v)] = surface.building[f];
+  };
+  std::vector<std::size_t> walls;
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f)
+    if (surface.patch[f] == Patch::kWall)
+      walls.push_back(f);
+    else if (surface.building[f].valid())
+      mark(f);
+  const auto is_named = [&](std::size_t f) {
+    for (const std::int32_t v : surface.triangles[f])
+      if (const BuildingIndex b = at[static_cast<std::size_t>(v)]; b.valid())
+        surface.building[f] = b;
+    if (surface.building[f].valid()) mark(f);
+    return surface.building[f].valid();
+  };
+  while (std::erase_if(walls, is_named) > 0) {
+  }
+}
+
 }  // namespace
 
 SurfaceMesh surface_of(const TetMesh& mesh) {
@@ -140,6 +164,7 @@ SurfaceMesh surface_of(const TetMesh& mesh) {
     }
     surface.triangles.push_back(corners);
   }
+  name_walls(surface);
   return surface;
 }
 

@@ -195,7 +195,7 @@ std::vector<ConfigField> make_fields() {
        .member = &C::floors_attribute,
        .commands = kData,
        .help = "Attribute with numbers of floors, used where there is no height; default: "
-               "building:levels or num_floors",
+               "building:levels, building_levels, num_floors or levels",
        .value = "NAME"},
       {.name = "floor_height",
        .group = "Input",

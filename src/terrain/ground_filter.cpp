@@ -220,7 +220,7 @@ Plane fit_plane(const HeightGrid& grid, const Frame& frame) {
   constexpr int kRounds = 3;  // buildings are above the second plane, trees above the third
   Plane plane;
   for (int round = 0; round < kRounds; ++round) {
-    PlaneFit fit;
+    CellPlaneFit fit;
     std::size_t c = 0;
     for (std::int32_t j = 0; j < frame.ny; ++j) {
       for (std::int32_t i = 0; i < frame.nx; ++i, ++c) {

@@ -86,7 +86,7 @@ std::vector<std::uint32_t> ground_around(const HeightGrid& lowest,
 Plane plane_through(const std::vector<std::uint32_t>& cells, const HeightGrid& lowest,
                     double least_rise) {
   const auto nx = static_cast<std::uint32_t>(lowest.nx);
-  PlaneFit fit;
+  CellPlaneFit fit;
   for (const std::uint32_t c : cells)
     fit.add(c % nx, c / nx, static_cast<double>(lowest.values[c]));
   Plane plane;

@@ -15,7 +15,7 @@ struct Plane {
 };
 
 /// Sums for the plane of least squares through points (x, y, z).
-class PlaneFit {
+class CellPlaneFit {
  public:
   void add(double x, double y, double z) {
     n_ += 1, x_ += x, y_ += y, z_ += z;

@@ -51,6 +51,21 @@ std::array<int, 3> pixel(const Picture& picture, double x, double y) {
 /// Red as roofs are.
 bool is_roof(const std::array<int, 3>& c) { return c[0] > c[1] + 30 && c[0] > c[2] + 30; }
 
+TEST(Render, WallsOfVolumesAreOfTheBuildingsWhoseRoofsTheyTouch) {
+  const RenderInput city = input();
+  std::int64_t walls = 0;
+  for (std::size_t f = 0; f < city.surface.triangles.size(); ++f) {
+    if (city.surface.patch[f] != Patch::kWall) continue;
+    ++walls;
+    EXPECT_EQ(city.surface.building[f], BuildingIndex(0));
+  }
+  EXPECT_GT(walls, 0);
+  // The heights of buildings need them.
+  RenderOptions options = small(View::kCity);
+  options.colour = PictureColour::kHeight;
+  EXPECT_NE(render_picture(city, options).rgb, render_picture(city, small(View::kCity)).rgb);
+}
+
 TEST(Render, IsTheSameWithAnyThreads) {
   const RenderInput city = input();
   for (const View view : {View::kCity, View::kPlan, View::kSection}) {

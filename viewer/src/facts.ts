@@ -5,6 +5,8 @@ export interface Building {
   sources: string[];
   ground: number;
   roof: number;
+  /** Of its highest roof. */
+  top: number;
   groundPoints: number;
   roofPoints: number;
   flags: string[];
@@ -61,7 +63,7 @@ export interface Report {
   threads: number;
   input?: {points_read: number; points_kept: number; footprints_read: number};
   city?: {raw_buildings: number; buildings: number; merged_groups: number; min_clearance: number | null;
-          domain?: {building_height: number; tallest_building: string; blockage: number}};
+          domain?: {building_height: number; tallest_building: string; blockage: number; length: number; width: number}};
   ground_mesh?: {vertices: number; triangles: number; min_angle_deg: number;
                  cells_per_building?: CellScore; cells_per_gap?: CellScore};
   volume_mesh?: {
@@ -87,6 +89,8 @@ export interface Facts {
   crs: string;
   /** xmin, ymin, xmax, ymax; local frame, metres. */
   domain: [number, number, number, number];
+  /** x and y of the domain's corners in turn; local frame, metres. */
+  outline: number[];
   /** Whether the page has the surface, and the cells. */
   mesh: boolean;
   volume: boolean;

@@ -72,5 +72,5 @@ async function start(): Promise<void> {
 start().catch((error: unknown) => {
   console.error(error);
   byId('wait').classList.remove('done');
-  byId('wait').replaceChildren(el('p', {}, `This page cannot be shown: ${error instanceof Error ? error.message : String(error)}. It needs a browser with WebGL 2 and DecompressionStream (Chrome 80, Firefox 113, Safari 16.4 or later).`));
+  byId('wait').replaceChildren(el('p', {}, `This page cannot be shown: ${error instanceof Error ? error.message : String(error)}. It needs a browser with WebGL 2 and DecompressionStream (Chrome 94, Firefox 113, Safari 16.4 or later).`));
 });

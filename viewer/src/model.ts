@@ -46,7 +46,7 @@ export async function readModel(blocks: Blocks): Promise<Model> {
   const [xmin, ymin, xmax, ymax] = facts.domain;
   const foot = Int32Array.from(facts.buildings, (b) => Math.round(b.ground / step));
   const [low, high] = mesh !== null ? extremes(floorsOf(mesh)) :
-      facts.buildings.length > 0 ? [extremes(foot)[0], extremes(facts.buildings.map((b) => Math.round(b.roof / step)))[1]] : [0, 0];
+      facts.buildings.length > 0 ? [extremes(foot)[0], extremes(facts.buildings.map((b) => Math.round(b.top / step)))[1]] : [0, 0];
   const top = mesh === null ? high : extremes(mesh.z)[1];
   const frame: Frame = {step, centre: [Math.round((xmin + xmax) / 2 / step), Math.round((ymin + ymax) / 2 / step), low]};
   const size = new Vector3(xmax - xmin, ymax - ymin, (high - low) * step);
@@ -61,4 +61,4 @@ export const toScene = ({frame: {centre, step}}: Model, x: number, y: number, z:
     new Vector3(x - centre[0] * step, y - centre[1] * step, z - centre[2] * step);
 
 /** Of the highest building, metres. */
-export const highest = (facts: Facts): number => facts.buildings.reduce((most, b) => Math.max(most, b.roof - b.ground), 1);
+export const highest = (facts: Facts): number => facts.buildings.reduce((most, b) => Math.max(most, b.top - b.ground), 1);

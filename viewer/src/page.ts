@@ -255,8 +255,8 @@ export class Page {
     this.panel.showBuilding(building);
     if (!fly || building < 0 || this.showsMap) return;
     const {box} = this.model.after[building], b = this.model.facts.buildings[building];
-    const size = Math.hypot(box[2] - box[0], box[3] - box[1], b.roof - b.ground);
-    this.view.flyTo(toScene(this.model, (box[0] + box[2]) / 2, (box[1] + box[3]) / 2, (b.ground + b.roof) / 2), Math.max(60, 3.4 * size), null, 38);
+    const size = Math.hypot(box[2] - box[0], box[3] - box[1], b.top - b.ground);
+    this.view.flyTo(toScene(this.model, (box[0] + box[2]) / 2, (box[1] + box[3]) / 2, (b.ground + b.top) / 2), Math.max(60, 3.4 * size), null, 38);
   }
 
   /** Flies to one of the worst cells and marks it; -1: none is marked. */
@@ -282,7 +282,7 @@ export class Page {
 
   private tellBuilding(building: number): Content {
     const b = this.model.facts.buildings[building];
-    return [el('b', {}, b.id), ` · ${fixed(b.roof - b.ground, 1)} m`,
+    return [el('b', {}, b.id), ` · ${fixed(b.top - b.ground, 1)} m`,
             el('div', {}, b.sources.length > 1 ? `merged from ${whole(b.sources.length)} footprints` : b.sources[0]),
             ...(b.flags.length > 0 ? [el('div', {}, b.flags.join(', '))] : [])];
   }

@@ -12,16 +12,23 @@ const out = makeCity(folder, {surfaces: {water: [-10, 40, 310, 75]}});
 const report = readReport(out);
 const said = [], asked = [];
 const chromium = process.env.CHROMIUM ?? '/usr/bin/chromium';
+const firefox = process.env.FIREFOX;
 let browser, page;
 
+/** Chromium, or the Firefox that the variable names. `plain`: without WebGL. */
+const launch = (plain = false) => puppeteer.launch(firefox ? {
+  browser: 'firefox', executablePath: firefox, protocolTimeout: 300_000,
+  extraPrefsFirefox: plain ? {'webgl.disabled': true} : {'ui.prefersReducedMotion': 1},
+} : {
+  executablePath: chromium, protocolTimeout: 300_000,
+  args: ['--no-sandbox', ...(plain ? ['--disable-3d-apis'] : ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'])],
+});
+
 before(async () => {
-  browser = await puppeteer.launch({
-    executablePath: chromium, protocolTimeout: 300_000,
-    args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
-  });
+  browser = await launch();
   page = await browser.newPage();
   await page.setViewport({width: 1200, height: 800});
-  await page.emulateMediaFeatures([{name: 'prefers-reduced-motion', value: 'reduce'}]);
+  if (!firefox) await page.emulateMediaFeatures([{name: 'prefers-reduced-motion', value: 'reduce'}]);
   page.on('console', (message) => { if (['error', 'warn'].includes(message.type())) said.push(message.text()); });
   page.on('pageerror', (error) => said.push(error.message));
   page.on('request', (request) => { if (!/^(file|data|blob):/.test(request.url())) asked.push(request.url()); });
@@ -224,7 +231,7 @@ test('fits on a telephone', async () => {
 });
 
 test('shows map and numbers without WebGL', async () => {
-  const plain = await puppeteer.launch({executablePath: chromium, args: ['--no-sandbox', '--disable-3d-apis']});
+  const plain = await launch(true);
   const other = await plain.newPage();
   await other.goto(`file://${join(out, 'index.html')}`);
   await other.waitForSelector('#panel section');

@@ -36,7 +36,8 @@ struct SizeRegion {
 /// How edges grow away from buildings. Lengths in metres.
 struct SizeGrading {
   double far_size = 0;     ///< Longest edge anywhere, at least the mesh size; 0: that.
-  double ground_size = 0;  ///< Longest edge in the convex hull of all buildings; 0: no own bound.
+  double ground_size = 0;  ///< With far_size or regions: longest edge in the convex hull of all
+                           ///< buildings; 0: no own bound.
   double growth = 1.2;     ///< Of an edge over the one before it, > 1.
   std::vector<SizeRegion> regions = {};
 };

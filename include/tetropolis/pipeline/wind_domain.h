@@ -43,9 +43,17 @@ struct WindDomainFacts {
   double rim_height = 0;  ///< Mean height of the data's rim, to which terrain fades.
 };
 
+/// The polygon (CRS coordinates) as a domain in the local frame of `origin`, its sides "side_1" and
+/// on. Throws Error(kInput) unless it is simple.
+Domain polygon_domain(const Polygon& polygon, Point2 origin);
+
 /// Frontal area of the buildings for wind along the unit vector `along`: the area of the union of
 /// the shadows of their roofs, square metres, each shadow widened to whole half metres.
 double frontal_area(const CityModel& city, Point2 along);
+
+/// Where the top of a domain should be, metres: 5 times the height of the tallest building above
+/// the highest roof. Precondition: there are buildings.
+double guideline_top(const CityModel& city);
 
 /// Puts a domain around the buildings of `city`, and terrain under it. COST action 732 (Franke et
 /// al. 2007) and AIJ (Tominaga et al. 2008): with H the height of the tallest building, 5 H from

@@ -189,8 +189,9 @@ Places places_in(const Partition& lines, const Bounds2& box, double clearance) {
   };
   for (const auto& [i, j] : near) add(i, j, step * step);
   const double far_area = step * step * static_cast<double>(kFar * kFar);
-  for (std::int64_t j = row(box.ymin) / kFar * kFar; j <= row(box.ymax); j += kFar)
-    for (std::int64_t i = row(box.xmin) / kFar * kFar; i <= row(box.xmax); i += kFar)
+  const auto first = [&](double low) { return row(low) - ((row(low) % kFar) + kFar) % kFar; };
+  for (std::int64_t j = first(box.ymin); j <= row(box.ymax); j += kFar)
+    for (std::int64_t i = first(box.xmin); i <= row(box.xmax); i += kFar)
       if (!near.contains({i, j})) add(i, j, far_area);
   return places;
 }

@@ -207,7 +207,7 @@ class Finishing {
       part.lod = Lod::k1_2;
       return {pivot, plane(pivot), 0, 0};
     }
-    if (count > 0) pivot = {x / count, y / count};
+    pivot = {x / count, y / count};
     const RoofPlane result = tamed(plane, pivot, part.outline, low - kBeyond, high + kBeyond);
     std::vector<double> heights;
     for (const Point3& p : inside) heights.push_back(p[2]);

@@ -95,13 +95,15 @@ class Simplifier {
   Simplification result_;
 };
 
-void require_sensible(const SimplifyOptions& options) {
+void require_sensible(const Domain& domain, const SimplifyOptions& options) {
   if (!(options.min_distance >= 0.01 && options.min_distance <= 1000))
     throw Error(ErrorKind::kUsage, fmt::format("merge distance {} m: must be from 0.01 to 1000",
                                                options.min_distance));
   if (!(options.close_gaps >= 0 && options.close_gaps <= 1000))
     throw Error(ErrorKind::kUsage,
                 fmt::format("gaps to close of {} m: must be from 0 to 1000", options.close_gaps));
+  if (!domain.is_box())
+    throw Error(ErrorKind::kUsage, "simplification: the domain is no box along the axes");
   if (options.growths < 1)
     throw Error(ErrorKind::kUsage, fmt::format("growths {}: must be at least 1", options.growths));
   if (!(options.min_area >= 0))
@@ -112,7 +114,7 @@ void require_sensible(const SimplifyOptions& options) {
                                                options.parallel_tolerance));
 }
 
-/// The domain in steps less a margin.
+/// The domain, a box, in steps.
 Domain in_steps(const Domain& domain) {
   const Bounds2& box = domain.bounds();
   const Point2 low = grid::to_steps(Point2{box.xmin, box.ymin});
@@ -613,7 +615,7 @@ Simplification Simplifier::run() {
 
 Simplification simplify_footprints(std::span<const Polygon> cleaned, const Domain& domain,
                                    const SimplifyOptions& options, const Progress& progress) {
-  require_sensible(options);
+  require_sensible(domain, options);
   return Simplifier(cleaned, domain, options, progress).run();
 }
 

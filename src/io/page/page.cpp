@@ -139,6 +139,7 @@ Json buildings_json(const CityModel& city) {
                          {"sources", b.source_ids},
                          {"ground", rounded(b.h_ground)},
                          {"roof", rounded(b.h_roof)},
+                         {"top", rounded(highest_roof(b))},
                          {"groundPoints", b.n_ground_points},
                          {"roofPoints", b.n_roof_points},
                          {"flags", flag_names(b.flags)},
@@ -164,11 +165,15 @@ Json footprints_json(std::span<const PageFootprint> footprints) {
 std::string facts_text(const PageContents& contents, const PageMesh& mesh) {
   const CityModel& city = contents.city;
   const Bounds2& domain = city.domain.bounds();
+  Json outline = Json::array();
+  for (const Point2 p : city.domain.outline().outer)
+    for (const double coordinate : {p.x, p.y}) outline.push_back(rounded(coordinate));
   const Json facts{{"version", kVersion},
                    {"step", kPageStep},
                    {"origin", {city.origin.x, city.origin.y}},
                    {"crs", city.crs},
                    {"domain", {domain.xmin, domain.ymin, domain.xmax, domain.ymax}},
+                   {"outline", outline},
                    {"mesh", mesh.is_shown},
                    {"volume", mesh.has_volume},
                    {"cells", mesh.cells},

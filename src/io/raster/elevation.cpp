@@ -249,7 +249,7 @@ void settle_unit(Tile& tile, const std::string& crs, std::vector<Warning>& warni
   if (header.height_unit < 0)
     fail_input(tile.path, "heights are depths, counted downwards; convert them to heights");
   const double across = crs.empty() || is_geographic(crs) ? 1 : linear_unit_metres(crs);
-  const bool guessed = is_metre(header.height_unit) && !is_metre(across) && across > 0;
+  const bool guessed = !header.states_height_unit && !is_metre(across) && across > 0;
   if (guessed) header.height_unit = across;
   if (is_metre(header.height_unit) ||
       (!warnings.empty() && warnings.back().code == "raster_units" && warnings.back().count++ > 0))
@@ -310,7 +310,9 @@ Elevations read_elevations(std::span<const fs::path> paths, const ReadElevations
     const std::span<const Tile> group{tiles.begin() + static_cast<std::ptrdiff_t>(begin), end};
     begin += group.size();
     const std::string& crs = group.front().header.crs;
-    Layer layer = lay_out(group, transformed(options.box, result.crs, crs), markers);
+    const Bounds2 wanted = transformed(options.box, result.crs, crs);
+    if (wanted.empty() && !options.box.empty()) continue;
+    Layer layer = lay_out(group, wanted, markers);
     if (layer.values.empty()) continue;
     const Bounds2 box{layer.x0, layer.y0,
                       layer.x0 + static_cast<double>(layer.nx - 1) * layer.step_x,

@@ -185,7 +185,7 @@ RasterInput read_raster(const fs::path& path, Point2 origin) {
          fmt::format("{}: {} of {} pixels have no value; they take the nearest one", path.string(),
                      result.filled, raster.values.size())});
   result.crs = gdal::canonical_name(GDALGetSpatialRef(dataset.get()));
-  result.height_unit = height_unit_of(path, dataset.get());
+  result.height_unit = height_unit_of(path, dataset.get()).value_or(1);
   result.domain = parse_domain(GDALGetMetadataItem(dataset.get(), kDomainItem, nullptr), origin);
   return result;
 }

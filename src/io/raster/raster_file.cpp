@@ -82,7 +82,9 @@ RasterFile open_elevations(const fs::path& path, const gdal::QuietErrors& errors
   header.step_y = -t[5];
   header.box = {t[0], t[3] - header.ny * header.step_y, t[0] + header.nx * header.step_x, t[3]};
   header.crs = gdal::canonical_name(GDALGetSpatialRef(file.source.get()));
-  header.height_unit = height_unit_of(path, file.source.get());
+  const std::optional<double> unit = height_unit_of(path, file.source.get());
+  header.height_unit = unit.value_or(1);
+  header.states_height_unit = unit.has_value();
   return file;
 }
 
@@ -164,7 +166,7 @@ std::int64_t fill_with_nearest(Raster& raster) {
   return missing;
 }
 
-double height_unit_of(const fs::path& path, GDALDatasetH dataset) {
+std::optional<double> height_unit_of(const fs::path& path, GDALDatasetH dataset) {
   constexpr double kFoot = 0.3048, kSurveyFoot = 1200.0 / 3937;
   constexpr std::pair<std::string_view, double> kUnits[] = {{"m", 1},
                                                             {"metre", 1},
@@ -183,7 +185,9 @@ double height_unit_of(const fs::path& path, GDALDatasetH dataset) {
                                                             {"ftus", kSurveyFoot},
                                                             {"us survey foot", kSurveyFoot}};
   const std::string name = lower_case(GDALGetRasterUnitType(GDALGetRasterBand(dataset, 1)));
-  const double of_system = gdal::vertical_unit_metres(GDALGetSpatialRef(dataset));
+  OGRSpatialReferenceH srs = GDALGetSpatialRef(dataset);
+  const double of_system = gdal::vertical_unit_metres(srs);
+  if (name.empty() && gdal::vertical_name(srs).empty()) return std::nullopt;
   if (name.empty()) return of_system;
   // A band has no word for depths.
   for (const auto& [unit, metres] : kUnits)

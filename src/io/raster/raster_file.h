@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "tetropolis/io/raster/elevation.h"
@@ -37,8 +38,8 @@ struct PixelWindow {
 std::vector<double> read_window(const std::filesystem::path& path, GDALDatasetH dataset,
                                 const PixelWindow& window, const gdal::QuietErrors& errors);
 
-/// Metres per unit of the values: as the band says, else the vertical reference system, else 1;
-/// negative where that counts downwards.
-double height_unit_of(const std::filesystem::path& path, GDALDatasetH dataset);
+/// Metres per unit of the values: as the band says, else the vertical reference system; negative
+/// where that counts downwards. Nothing if neither says.
+std::optional<double> height_unit_of(const std::filesystem::path& path, GDALDatasetH dataset);
 
 }  // namespace tetropolis

@@ -58,6 +58,19 @@ int find_attribute(const fs::path& path, OGRLayerH layer, const std::string& wan
                                              : fmt::format("{}", fmt::join(names, ", "))));
 }
 
+namespace {
+
+/// What the values of a column are, if they are no numbers.
+const char* what_else(OGRFieldDefnH field) {
+  if (OGR_Fld_GetSubType(field) == OFSTBoolean) return "Boolean";
+  const OGRFieldType type = OGR_Fld_GetType(field);
+  const bool is_number =
+      type == OFTInteger || type == OFTInteger64 || type == OFTReal || type == OFTString;
+  return is_number ? nullptr : OGR_GetFieldTypeName(type);
+}
+
+}  // namespace
+
 AttributeField::AttributeField(const fs::path& path, OGRLayerH layer, std::string attribute,
                                const char* what, const char* setting)
     : name_(std::move(attribute)) {
@@ -69,13 +82,7 @@ AttributeField::AttributeField(const fs::path& path, OGRLayerH layer, std::strin
   // The feature number is no height, and neither is a date, a list, or yes and no.
   OGRFieldDefnH field = field_ == kFidField ? nullptr : OGR_FD_GetFieldDefn(columns, field_);
   type_ = field == nullptr ? OFTBinary : OGR_Fld_GetType(field);
-  const char* other = nullptr;
-  if (field == nullptr)
-    other = "the feature number";
-  else if (OGR_Fld_GetSubType(field) == OFSTBoolean)
-    other = "Boolean";
-  else if (type_ != OFTInteger && type_ != OFTInteger64 && type_ != OFTReal && type_ != OFTString)
-    other = OGR_GetFieldTypeName(type_);
+  const char* const other = field == nullptr ? "the feature number" : what_else(field);
   if (other != nullptr)
     fail_input(path, fmt::format("attribute '{}' is {}, not a {}; name a numeric one with {}",
                                  name_, other, what, setting));
@@ -97,17 +104,24 @@ bool has_column(OGRLayerH layer, const char* name) {
   return OGR_FD_GetFieldIndex(OGR_L_GetLayerDefn(layer), name) >= 0;
 }
 
+/// Or text, which may be one.
+bool has_number(OGRLayerH layer, const char* name) {
+  OGRFeatureDefnH columns = OGR_L_GetLayerDefn(layer);
+  const int field = OGR_FD_GetFieldIndex(columns, name);
+  return field >= 0 && what_else(OGR_FD_GetFieldDefn(columns, field)) == nullptr;
+}
+
 /// What the data of OpenStreetMap and Overture call them, where the layer is of these.
 std::string usual_height(OGRLayerH layer) {
   if (has_column(layer, kOtherTags)) return "height";
   const bool known = has_column(layer, "building") || has_column(layer, "num_floors") ||
                      has_column(layer, "is_underground");
-  return known && has_column(layer, "height") ? "height" : "";
+  return known && has_number(layer, "height") ? "height" : "";
 }
 
 std::string usual_floors(OGRLayerH layer) {
   for (const char* name : {"building:levels", "building_levels", "num_floors", "levels"})
-    if (has_column(layer, name)) return name;
+    if (has_number(layer, name)) return name;
   return has_column(layer, kOtherTags) ? "building:levels" : "";
 }
 

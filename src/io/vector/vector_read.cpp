@@ -223,7 +223,7 @@ class LayerReader {
 
   void add(OGRFeatureH feature) {
     const std::string id = feature_id(feature);
-    const std::int64_t row = rows_++;
+    const std::int64_t row = result_.attributes.empty() ? -1 : rows_++;
     attributes_.read(feature);
     FlatGeometry flat = flatten(source_.geometry_of(feature), units_);
     if (flat.is_body)

@@ -13,6 +13,7 @@
 #include <zlib.h>
 
 #include "tetropolis/core/threads.h"
+#include "tetropolis/geometry/polygon.h"
 
 #include "io/mesh/mesh_bytes.h"
 #include "support/prism_city.h"
@@ -95,6 +96,26 @@ struct Case {
   ColumnMesh mesh = testing::meshed(small).mesh;
   CityModel city = model_of(small);
 };
+
+TEST(Page, TellsTheHighestRoofAndTheOutlineOfTheDomain) {
+  Case c;
+  Building& building = c.city.buildings[BuildingIndex(0)];
+  RoofPart part;
+  part.outline = building.footprint;
+  const Bounds2 box = bounds(building.footprint);
+  part.roof = {{box.xmin, box.ymin}, building.h_roof - 1, 3 / box.width(), 0};
+  building.parts = {part};
+  const Json facts = Page(page_html({.city = c.city})).facts();
+  EXPECT_NEAR(facts["buildings"][0]["top"], building.h_roof + 2, 0.01);
+  EXPECT_NEAR(facts["buildings"][0]["roof"], building.h_roof, 0.01);
+  EXPECT_EQ(facts["buildings"][1]["top"], facts["buildings"][1]["roof"]);
+  const Ring corners = c.city.domain.outline().outer;
+  ASSERT_EQ(facts["outline"].size(), 2 * corners.size());
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    EXPECT_NEAR(facts["outline"][2 * i], corners[i].x, 0.01);
+    EXPECT_NEAR(facts["outline"][2 * i + 1], corners[i].y, 0.01);
+  }
+}
 
 TEST(Page, HoldsTheMeshAndTheCity) {
   const Case c;

@@ -22,6 +22,7 @@
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/crs/crs.h"
 
+#include "io/vector/merge_footprints.h"
 #include "io/vector/vector_geometry.h"
 #include "support/bytes.h"
 #include "support/errors.h"
@@ -1149,6 +1150,81 @@ TEST(Vector, OfOpenStreetMapOnlyBuildingsAreRead) {
   }
   EXPECT_EQ(ids, (std::set<std::string>{"3", "7"}));
   EXPECT_EQ(input.features_read, 2);
+}
+
+TEST(Vector, AttributesOfSeveralFilesStayWithTheirFeatures) {
+  const auto file = [](int features, int first, bool has_names) {
+    std::string text = R"({"type":"FeatureCollection","features":[)";
+    for (int i = 0; i < features; ++i)
+      text += fmt::format(
+          R"({}{{"type":"Feature","properties":{{{}}},"geometry":{{"type":"Polygon","coordinates":[[[{},0],[{},0],[{},1],[{},0]]]}}}})",
+          i == 0 ? "" : ",", has_names ? fmt::format(R"("name":"n{}")", first + i) : "", first + i,
+          first + i + 1, first + i + 1, first + i);
+    return text + "]}";
+  };
+  const TemporaryFolder folder;
+  const fs::path bare = write_text(folder / "bare.geojson", file(3, 0, false));
+  const fs::path named = write_text(folder / "named.geojson", file(2, 10, true));
+  ReadFootprintsOptions options;
+  options.attributes = true;
+  for (const std::vector<fs::path>& paths : {std::vector{bare, named}, {named, bare}}) {
+    std::vector<FootprintsInput> inputs;
+    for (const fs::path& path : paths) inputs.push_back(read_footprints(path, options));
+    const FootprintsInput all = merge_footprints(std::move(inputs), paths);
+    ASSERT_EQ(all.attributes.size(), 1U);
+    const auto& names = std::get<std::vector<std::string>>(all.attributes[0].values);
+    ASSERT_EQ(all.features.size(), 5U);
+    for (const Footprint& feature : all.features) {
+      const bool is_bare = feature.source_id.starts_with("bare");
+      EXPECT_EQ(feature.feature < 0, is_bare) << feature.source_id;
+      if (is_bare) continue;
+      ASSERT_LT(static_cast<std::size_t>(feature.feature), names.size());
+      EXPECT_EQ(names[static_cast<std::size_t>(feature.feature)],
+                fmt::format("n{}", feature.polygon.outer[0].x));
+    }
+  }
+}
+
+TEST(Vector, ColumnsThatNobodyAskedForMayHoldAnything) {
+  const TemporaryFolder folder;
+  constexpr const char* kPolygon = R"("type":"Polygon","coordinates":[[[0,0],[9,0],[9,9],[0,0]]])";
+  const fs::path path = write_text(
+      folder / "a.geojson",
+      fmt::format(R"({{"type":"FeatureCollection","features":[{{"type":"Feature","properties":)"
+                  R"({{"building":"yes","levels":true,"height":[1,2]}},"geometry":{{{}}}}}]}})",
+                  kPolygon));
+  const FootprintsInput input = read_footprints(path);
+  ASSERT_EQ(input.features.size(), 1U);
+  EXPECT_TRUE(std::isnan(input.features[0].height));
+  ReadFootprintsOptions asked;
+  asked.floors_attribute = "levels";
+  EXPECT_NE(input_error(path, asked).find("Boolean"), std::string::npos);
+}
+
+TEST(Vector, WaysThatTouchTheOutlineOfARelationAreBuildingsOfTheirOwn) {
+  for (const bool from_common_node : {true, false}) {
+    const TemporaryFolder folder;
+    std::string text = "<?xml version=\"1.0\"?>\n<osm version=\"0.6\">\n";
+    const double places[][2] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {1, 1}, {3, 1}};
+    for (int i = 0; i < 6; ++i)
+      text += fmt::format("<node id=\"{}\" lat=\"{}\" lon=\"{}\"/>\n", i + 1,
+                          50 + 0.001 * places[i][1], 7 + 0.001 * places[i][0]);
+    const char* const inner = from_common_node ? "<nd ref=\"1\"/><nd ref=\"6\"/><nd ref=\"5\"/>"
+                                                 "<nd ref=\"1\"/>"
+                                               : "<nd ref=\"6\"/><nd ref=\"5\"/><nd ref=\"1\"/>"
+                                                 "<nd ref=\"6\"/>";
+    text += fmt::format(
+        "<way id=\"10\"><nd ref=\"1\"/><nd ref=\"2\"/><nd ref=\"3\"/><nd ref=\"4\"/>"
+        "<nd ref=\"1\"/></way>\n<way id=\"11\">{}<tag k=\"building\" v=\"yes\"/></way>\n"
+        "<relation id=\"20\"><member type=\"way\" ref=\"10\" role=\"outer\"/><member type=\"way\" "
+        "ref=\"11\" role=\"inner\"/><tag k=\"type\" v=\"multipolygon\"/><tag k=\"building\" "
+        "v=\"yes\"/></relation>\n</osm>\n",
+        inner);
+    const FootprintsInput input = read_footprints(write_text(folder / "a.osm", text));
+    std::set<std::string> ids;
+    for (const Footprint& feature : input.features) ids.insert(feature.source_id);
+    EXPECT_EQ(ids, (std::set<std::string>{"relation/20", "way/11"})) << from_common_node;
+  }
 }
 
 TEST(Vector, BuildingsThatOpenStreetMapExtractsLackPartsOfAreAccountedFor) {

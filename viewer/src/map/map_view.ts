@@ -179,12 +179,15 @@ export class MapView {
     context.fillRect(0, 0, width, height);
     const x = (metres: number): number => width / 2 + (metres - this.centre[0]) * this.scale;
     const y = (metres: number): number => height / 2 - (metres - this.centre[1]) * this.scale;
-    const [xmin, ymin, xmax, ymax] = this.facts.domain;
+    const {outline} = this.facts;
+    context.beginPath();
+    for (let i = 0; i < outline.length; i += 2) context.lineTo(x(outline[i]), y(outline[i + 1]));
+    context.closePath();
     context.fillStyle = colours.domain;
-    context.fillRect(x(xmin), y(ymax), x(xmax) - x(xmin), y(ymin) - y(ymax));
+    context.fill();
     context.strokeStyle = colours.line;
     context.setLineDash([6, 4]);
-    context.strokeRect(x(xmin), y(ymax), x(xmax) - x(xmin), y(ymin) - y(ymax));
+    context.stroke();
     context.setLineDash([]);
 
     const isSeen = ({box}: Outline): boolean => x(box[2]) > 0 && x(box[0]) < width && y(box[1]) > 0 && y(box[3]) < height;

@@ -32,12 +32,13 @@ const resolution = (name: string, score: CellScore | undefined): Node[] =>
 
 function overview(facts: Facts): HTMLElement[] {
   const {report} = facts;
-  const [xmin, ymin, xmax, ymax] = facts.domain;
+  const [xmin, ymin, xmax, ymax] = facts.domain, fitted = report?.city?.domain;
+  const [length, width] = fitted !== undefined && fitted.length > 0 ? [fitted.length, fitted.width] : [xmax - xmin, ymax - ymin];
   const mesh = report?.volume_mesh;
   const crs = facts.crs.length > 40 ? facts.crs.slice(0, 37) + '…' : facts.crs;
   const header = el('header', {},
       el('h1', {}, runName(facts)),
-      el('p', {}, `${whole(xmax - xmin)} × ${whole(ymax - ymin)} m${crs === '' ? '' : ` · ${crs}`}`));
+      el('p', {}, `${whole(length)} × ${whole(width)} m${crs === '' ? '' : ` · ${crs}`}`));
   const list = el('dl', {class: 'facts'},
       ...fact('Buildings', whole(facts.buildings.length),
               facts.footprints.length > 0 ? `of ${plural(facts.footprints.length, 'footprint')}` : ''),
@@ -114,7 +115,7 @@ function describeRoof(b: Building): string {
 
 /** `area`: of a footprint as text, as far as it is known. */
 function describeBuilding(b: Building, area: (source: string) => string): Node[] {
-  const height = b.roof - b.ground;
+  const height = b.top - b.ground;
   const pair = (name: string, value: string): Node[] => [el('dt', {}, name), el('dd', {}, value)];
   const flags = b.flags.map((flag) => {
     const style = kFlagStyles.find((s) => s.name === flag) ?? flagStyle([flag]);
@@ -167,7 +168,7 @@ function fates(facts: Facts): HTMLElement | null {
 }
 
 function heights(facts: Facts): HTMLElement | null {
-  const values = facts.buildings.map((b) => b.roof - b.ground);
+  const values = facts.buildings.map((b) => b.top - b.ground);
   if (values.length === 0) return null;
   const highest = Math.max(...values), median = values.slice().sort((a, b) => a - b)[values.length >> 1];
   const step = niceStep(highest, 22);
@@ -189,9 +190,10 @@ function quality(report: Report): HTMLElement | null {
   const mesh = report.volume_mesh;
   const counts = mesh?.dihedral_deg.counts;
   if (mesh === undefined || counts === undefined || !counts.some((count) => count > 0)) return null;
+  const all = counts.reduce((sum, count) => sum + count, 0);
   const bars = counts.map((count, i): Bar => ({
     from: i, to: i + 1, count, colour: css(kQualityRamp.at((i + 0.5) / kBestAngle)),
-    title: `${i} to ${i + 1}°: ${plural(count, 'cell')} (${(100 * count / mesh.cells).toPrecision(2)} %)`,
+    title: `${i} to ${i + 1}°: ${plural(count, 'cell')} (${(100 * count / all).toPrecision(2)} %)`,
   }));
   const d = mesh.dihedral_deg;
   const element = section('quality', 'Quality of cells',

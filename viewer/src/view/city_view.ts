@@ -38,6 +38,8 @@ export class CityView {
   private readonly pickScene = new Scene();
   private readonly pickTarget = new WebGLRenderTarget(1, 1);
   private readonly picker = pickMaterial();
+  /** Browsers that resist fingerprinting read noise: nothing can be picked there. */
+  private readonly readsPixels: boolean;
   private readonly sun = new DirectionalLight('#fff0d9', 2.6);
   private readonly skyLight = new HemisphereLight('#dbe8ff', '#b3a48f', 1.7);
   private readonly uniforms: SurfaceUniforms;
@@ -63,6 +65,7 @@ export class CityView {
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
     this.renderer.shadowMap.autoUpdate = false;
+    this.readsPixels = this.testPixels();
 
     this.uniforms = {
       colouring: {value: Colouring.byClass},
@@ -106,6 +109,7 @@ export class CityView {
 
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
+    canvas.style.cursor = '';  // which the controls have set: the style sheet has better ones
     this.controls.enableDamping = true;
     this.controls.dampingFactor = 0.12;
     this.controls.zoomToCursor = true;
@@ -115,6 +119,10 @@ export class CityView {
     this.controls.maxDistance = 8 * radius;
     this.controls.addEventListener('change', () => this.invalidate());
     this.controls.addEventListener('start', () => { this.flight = null; });
+    canvas.addEventListener('webglcontextrestored', () => {
+      this.updateShadow(true);
+      this.invalidate();
+    });
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement!);
     this.resize();
     this.home(false);
@@ -284,8 +292,21 @@ export class CityView {
                        2 * depth / 16777215 - 1).unproject(this.camera);
   }
 
-  /** -1: nothing is there. */
+  /** Whether a colour that is drawn is the one that is read. */
+  private testPixels(): boolean {
+    const {renderer} = this, bytes = new Uint8Array(4);
+    renderer.setRenderTarget(this.pickTarget);
+    renderer.setClearColor(new Color(18 / 255, 52 / 255, 86 / 255), 1);
+    renderer.clear();
+    renderer.readRenderTargetPixels(this.pickTarget, 0, 0, 1, 1, bytes);
+    renderer.setRenderTarget(null);
+    renderer.setClearColor(0, 0);
+    return bytes.join() === '18,52,86,255';
+  }
+
+  /** -1: nothing is there, or nobody can tell. */
   private pick(clientX: number, clientY: number, mode: PickMode): number {
+    if (!this.readsPixels) return -1;
     const box = this.canvas.getBoundingClientRect();
     this.picker.uniforms['mode']!.value = mode;
     this.camera.setViewOffset(box.width, box.height, Math.floor(clientX - box.left), Math.floor(clientY - box.top), 1, 1);

@@ -118,7 +118,8 @@ struct Simplification {
 /// close to others unite with them to one hull, which lowers the number of groups each time. Last,
 /// corners sharper than 13.5 degrees are filled or cut where they are narrower than min_distance
 /// (chamfer.h), as far as clearance allows.
-/// Throws Error(kUsage) for options out of range, Cancelled through `progress`.
+/// Throws Error(kUsage) for options out of range and for a domain that is no box along the axes,
+/// Cancelled through `progress`.
 Simplification simplify_footprints(std::span<const Polygon> cleaned, const Domain& domain,
                                    const SimplifyOptions& options, const Progress& progress = {});
 

@@ -56,7 +56,7 @@ struct PageContents {
 };
 
 /// The page as HTML, UTF-8. Works from file:// and as an iframe's srcdoc, in browsers with WebGL 2
-/// and DecompressionStream (Chrome 80, Firefox 113, Safari 16.4). The numbers that the page tells
+/// and DecompressionStream (Chrome 94, Firefox 113, Safari 16.4). The numbers that the page tells
 /// are those of `report`: without it there are none.
 std::string page_html(const PageContents& contents);
 

@@ -23,6 +23,7 @@ struct RasterHeader {
   std::int32_t nx = 0;
   std::int32_t ny = 0;
   double height_unit = 1;  ///< Metres per unit of the values; negative where they count downwards.
+  bool states_height_unit = false;  ///< Whether the file says so, and it is no assumption.
 };
 
 /// Errors: those of read_elevations about single files.
@@ -42,7 +43,7 @@ enum class Resampling { kBilinear, kNearest };
 
 struct ReadElevationsOptions {
   std::string source_crs = {};  ///< What the files are in, whatever they say; empty: what they say.
-  std::string target_crs = {};  ///< Empty: that of the first file.
+  std::string target_crs = {};  ///< Empty: that of the finest file.
   Bounds2 box = Bounds2::nothing();  ///< What is wanted, in target_crs; empty: all there is.
   Point2 origin = {};                ///< Subtracted from x and y.
   Resampling resampling = Resampling::kBilinear;

@@ -21,7 +21,8 @@ struct ReadFootprintsOptions {
   std::string height_attribute = {};  ///< Attribute with heights above ground; empty: `height` of
                                       ///< the features that OpenStreetMap and Overture describe.
   std::string floors_attribute = {};  ///< Attribute with numbers of floors; empty:
-                                      ///< `building:levels` or `num_floors`, if there is one.
+                                      ///< `building:levels`, `building_levels`, `num_floors` or
+                                      ///< `levels`, if there is one.
   double floor_height = 3;            ///< Metres per floor, > 0.
   double height_unit = 1;       ///< Metres per unit of heights that name none themselves, > 0.
   std::string where = {};       ///< OGR SQL condition on attributes: only such features are read.
@@ -67,7 +68,7 @@ struct UnusableFootprint : Dropped {
 
 struct FootprintsInput {
   std::string source = "footprints";        ///< What messages call them: the path that was read.
-  std::vector<Footprint> features;          ///< In the order of the file.
+  std::vector<Footprint> features;          ///< In the order of the file, parts of outlines last.
   std::vector<UnusableFootprint> dropped;   ///< Features and parts that are no footprint, and why.
   std::vector<AttributeColumn> attributes;  ///< In the order of the file, if asked for. Binary ones
                                             ///< are left out, lists are text.

@@ -367,18 +367,22 @@ class Assembly {
     writer_.write(whole, polygons);
   }
 
-  /// The member ways that lie on the outside of the polygons.
+  /// The member ways all of whose nodes are on the outside of a polygon: others touch it.
   std::vector<std::int64_t> outer_ways(const OsmElement& relation,
                                        const std::vector<Polygon>& polygons) const {
     std::vector<std::int64_t> outer;
     for (const std::int64_t id : outline_of(relation)) {
       const OsmElement* way = source_.way(id);
-      const Point2* first =
-          way == nullptr || way->nodes.empty() ? nullptr : source_.place(way->nodes.front());
-      if (first == nullptr) continue;
-      for (const Polygon& polygon : polygons)
-        if (std::find(polygon.outer.begin(), polygon.outer.end(), *first) != polygon.outer.end())
-          outer.push_back(id);
+      if (way == nullptr || way->nodes.empty()) continue;
+      const auto is_around = [&](const Polygon& polygon) {
+        return std::all_of(way->nodes.begin(), way->nodes.end(), [&](std::int64_t node) {
+          const Point2* place = source_.place(node);
+          return place == nullptr ||  // missing in the outline, too
+                 std::find(polygon.outer.begin(), polygon.outer.end(), *place) !=
+                     polygon.outer.end();
+        });
+      };
+      if (std::any_of(polygons.begin(), polygons.end(), is_around)) outer.push_back(id);
     }
     return outer;
   }
