@@ -56,7 +56,9 @@ SurfaceMesh of_stl(const StlMesh& stl) {
   for (const std::uint16_t attribute : stl.attribute) {
     const auto patch = static_cast<Patch>(attribute);
     if (!surface.patches.contains(patch))
-      surface.patches.add({patch, fmt::format("patch{}", attribute), PatchKind::kOther});
+      // In a file of ours that has no city surface but ground in pieces.
+      surface.patches.add({patch, fmt::format("patch{}", attribute),
+                           stl.origin ? PatchKind::kGround : PatchKind::kOther});
     surface.patch.push_back(patch);
   }
   return surface;

@@ -11,10 +11,17 @@ namespace tetropolis {
 
 namespace {
 
-/// Neither seen nor unlike a kind that is known.
+/// Of a turned box, a cylinder or a polygon (fit_wind_domain).
+bool is_own_side(const std::string& name) {
+  return name == "inlet" || name == "outlet" || name == "side" || name.starts_with("side_") ||
+         name.starts_with("sector_");
+}
+
+/// Faces of no known kind are those of sides by their names, or roofs and walls by their slope.
 PatchKind shown_kind(const SurfaceMesh& surface, std::size_t f) {
-  const PatchKind kind = surface.patch_of(f).kind;
-  if (kind != PatchKind::kOther) return kind;
+  const PatchInfo& patch = surface.patch_of(f);
+  if (patch.kind != PatchKind::kOther) return patch.kind;
+  if (is_own_side(patch.name)) return PatchKind::kSide;
   std::array<Vec3, 3> p;
   for (std::size_t i = 0; i < 3; ++i)
     p[i] = Vec3(surface.points[static_cast<std::size_t>(surface.triangles[f][i])]);

@@ -15,6 +15,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tetropolis/ground/surfaces.h"
+
 #include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
 
@@ -36,8 +38,11 @@ constexpr int kArrayBuffer = 34962;
 constexpr int kElementArrayBuffer = 34963;
 
 /// Linear base colour.
-std::array<double, 3> colour_of(PatchKind kind) {
-  switch (kind) {
+std::array<double, 3> colour_of(const PatchInfo& patch) {
+  if (patch.name == name_of(SurfaceKind::kWater)) return {0.21, 0.37, 0.52};
+  if (patch.name == name_of(SurfaceKind::kRoad)) return {0.37, 0.35, 0.33};
+  if (patch.name == name_of(SurfaceKind::kVegetation)) return {0.29, 0.41, 0.20};
+  switch (patch.kind) {
     case PatchKind::kGround:
       return {0.33, 0.36, 0.27};
     case PatchKind::kRoof:
@@ -143,7 +148,7 @@ void add_part(Description& file, const Part& part) {
     }
   }
   const PatchInfo& patch = surface.patch_of(0);
-  const std::array<double, 3> colour = colour_of(patch.kind);
+  const std::array<double, 3> colour = colour_of(patch);
   const std::size_t points = surface.points.size(), faces = surface.triangles.size();
   const std::size_t positions =
       add_accessor(file, {"VEC3", kFloat, points, 12 * points, kArrayBuffer});

@@ -8,7 +8,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "tetropolis/geometry/types.h"
@@ -31,12 +30,6 @@ std::optional<Point3> point_from_text(const std::string& text);
 
 using PatchNames = std::map<std::int32_t, std::string>;
 
-/// Of a turned box, a cylinder or a polygon (fit_wind_domain).
-inline bool is_own_side(std::string_view name) {
-  return name == "inlet" || name == "outlet" || name == "side" || name.starts_with("side_") ||
-         name.starts_with("sector_");
-}
-
 /// Sets the patch of each face. What no city has by itself is named by `names`, else "patch9" or
 /// the like, and of no known kind, but for those of surface layers: ground. fail(what) is called
 /// for the first number that is none, and must throw.
@@ -56,9 +49,7 @@ void set_patches(const std::vector<std::int32_t>& numbers, const PatchNames& nam
           is_named && std::find(kSurfaceKindNames.begin(), kSurfaceKindNames.end(), name->second) !=
                           kSurfaceKindNames.end();
       surface.patches.add({patch, is_named ? name->second : "patch" + number,
-                           is_surface                              ? PatchKind::kGround
-                           : is_named && is_own_side(name->second) ? PatchKind::kSide
-                                                                   : PatchKind::kOther});
+                           is_surface ? PatchKind::kGround : PatchKind::kOther});
     }
     surface.patch.push_back(patch);
   }

@@ -39,7 +39,7 @@ export class CityView {
   private readonly pickTarget = new WebGLRenderTarget(1, 1);
   private readonly picker = pickMaterial();
   /** Browsers that resist fingerprinting read noise: nothing can be picked there. */
-  private readonly readsPixels: boolean;
+  private readsPixels: boolean | null = null;
   private readonly sun = new DirectionalLight('#fff0d9', 2.6);
   private readonly skyLight = new HemisphereLight('#dbe8ff', '#b3a48f', 1.7);
   private readonly uniforms: SurfaceUniforms;
@@ -65,7 +65,6 @@ export class CityView {
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
     this.renderer.shadowMap.autoUpdate = false;
-    this.readsPixels = this.testPixels();
 
     this.uniforms = {
       colouring: {value: Colouring.byClass},
@@ -306,6 +305,7 @@ export class CityView {
 
   /** -1: nothing is there, or nobody can tell. */
   private pick(clientX: number, clientY: number, mode: PickMode): number {
+    this.readsPixels ??= this.testPixels();
     if (!this.readsPixels) return -1;
     const box = this.canvas.getBoundingClientRect();
     this.picker.uniforms['mode']!.value = mode;
