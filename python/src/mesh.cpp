@@ -141,11 +141,10 @@ void save(const Mesh& mesh, const std::filesystem::path& path, const nb::dict& s
     const std::vector<Building>& buildings = mesh.made.city.buildings;
     const SurfaceMesh& boundary = mesh.mesh().boundary;
     const std::string format = format_of(path);
-    if (write_surface(format, path, format == "vtp" ? boundary : city_surface(boundary), buildings,
-                      options))
-      return;
     const VolumeFiles volume(mesh.volume(), boundary, mesh.mesh().zones, buildings, options);
-    if (!volume.write(format, path, {hooks.step_progress, hooks.cancelled}))
+    if (!volume.write(format, path, {hooks.step_progress, hooks.cancelled}) &&
+        !write_surface(format, path, format == "vtp" ? boundary : city_surface(boundary), buildings,
+                       options))
       throw_no_format(
           path,
           "end it in .vtu, .vtkhdf, .xdmf, .msh, _msh2.msh, _fluent.msh, .cgns, .su2 (the "

@@ -104,6 +104,15 @@ def test_domain_along_the_wind(data):
     assert not (mesh.boundary.patch == numbers["xmin"]).any()
 
 
+def test_the_top_follows_raised_roofs(data):
+    city = tp.build_city(data / "footprints.shp", data, domain="auto", lod="block")
+    before = tp.build_mesh(city, mesh_size=20, far_size=80).quality["top"]
+    city.h_roof[0] += 40
+    height = city.h_roof[0] - city.h_ground[0]
+    after = tp.build_mesh(city, mesh_size=20, far_size=80).quality["top"]
+    assert after == pytest.approx(city.h_roof.max() + 5 * height, abs=0.01) and after > before + 100
+
+
 def test_a_polygon_domain_counts_what_it_holds(data, tmp_path):
     whole = tp.build_city(data / "footprints.shp", data)
     xmin, ymin, xmax, ymax = whole.domain

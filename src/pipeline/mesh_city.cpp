@@ -12,7 +12,6 @@
 #include <fmt/format.h>
 
 #include "tetropolis/ground/mesh_ground.h"
-#include "tetropolis/pipeline/wind_domain.h"
 #include "tetropolis/volume/column/boundary.h"
 
 #include "city/roofs/divide_ground.h"
@@ -96,14 +95,6 @@ double steep_slope(const Raster& dtm, const Domain& domain) {
       return (static_cast<double>(bin) + 0.5) / kPerDegree;
   }
   return 0;
-}
-
-/// Higher than that of the file, if roofs have been raised since: more than files round.
-double own_top_of(const CityModel& city) {
-  constexpr double kRounding = 0.01;
-  if (city.buildings.empty()) return city.domain_top;
-  const double top = guideline_top(city);
-  return top > city.domain_top + kRounding ? top : city.domain_top;
 }
 
 /// Options for cells that are prisms, or tets where the terrain is too steep for them.
@@ -454,7 +445,7 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
       for_prisms(in_local_frame(given, origin), city, terrain, result.warnings);
   const double highest = highest_under(terrain, city.domain.bounds());
   if (options.own_top && city.domain_top > highest)
-    options.domain_height = own_top_of(city) - highest;
+    options.domain_height = city.domain_top - highest;
   const CitySize size = size_of(options, city, terrain);
   const Surfaces surfaces = surfaces_of(options, city, clock, result);
   if (options.target_cells > 0) {
