@@ -1,6 +1,6 @@
 // Reads the run and shows it.
 
-import {MapView} from './map/map_view.js';
+import {buildingOf, MapView} from './map/map_view.js';
 import {cellCount} from './mesh/columns.js';
 import {lookAtSky, makeHeightGrid} from './mesh/sky.js';
 import {type Model, readModel} from './model.js';
@@ -9,6 +9,7 @@ import {Panel, runName} from './panel/panel.js';
 import type {Blocks} from './payload.js';
 import {byId, el} from './ui/dom.js';
 import {mapLegend} from './ui/legend.js';
+import {currentTheme} from './ui/theme.js';
 import {CityView} from './view/city_view.js';
 
 /** The light of the sky takes a while to find: the city is there before. */
@@ -27,23 +28,31 @@ function showWithoutCity(model: Model, map: MapView, why: unknown): void {
   const page = byId('stage');
   page.classList.add('show-map', 'no-city');
   byId('map').hidden = false;
-  const panel = new Panel(model.facts, model.before, {
-    select: (building) => {
-      map.setSelected(building);
-      panel.showBuilding(building);
-    },
-    showCell: () => {},
-  });
-  map.onClick = (hit) => {
-    const building = hit === null ? -1 : hit.side === 'after' ? hit.index : model.facts.footprints[hit.index].building;
+  const {facts, before, after} = model;
+  const select = (building: number): void => {
     map.setSelected(building);
     panel.showBuilding(building);
   };
-  const dark = window.matchMedia('(prefers-color-scheme: dark)').matches;
-  document.documentElement.dataset['theme'] = dark ? 'dark' : 'light';
-  map.setDark(dark);
+  const panel = new Panel(facts, before, {
+    select: (building) => {
+      select(building);
+      if (building >= 0) map.show(after[building].box);
+    },
+    showFootprint: (footprint) => {
+      panel.showFootprint(footprint);
+      map.show(before[footprint].box);
+    },
+    showCell: null,
+  });
+  map.onClick = (hit) => {
+    if (hit !== null && buildingOf(facts, hit) < 0) panel.showFootprint(hit.index);
+    else select(hit === null ? -1 : buildingOf(facts, hit));
+  };
+  const theme = currentTheme();
+  document.documentElement.dataset['theme'] = theme;
+  map.setDark(theme === 'dark');
   byId('legend').replaceChildren(
-      ...mapLegend(map, dark ? 'dark' : 'light'),
+      ...mapLegend(map, theme),
       el('p', {class: 'note'}, `The city in 3D needs WebGL 2, which this browser does not offer (${why instanceof Error ? why.message : String(why)}).`));
 }
 
@@ -53,7 +62,7 @@ async function start(): Promise<void> {
   document.title = `${runName(model.facts)} · Tetropolis`;
   const milliseconds = performance.now() - began;
   const map = new MapView(byId('map'), model.facts, model.before, model.after);
-  byId('wait').classList.add('done');
+  byId('wait').hidden = true;
   let view: CityView;
   try {
     view = new CityView(byId<HTMLCanvasElement>('city'), model.surface, model.facts.buildings.length, model.size,
@@ -71,6 +80,6 @@ async function start(): Promise<void> {
 
 start().catch((error: unknown) => {
   console.error(error);
-  byId('wait').classList.remove('done');
+  byId('wait').hidden = false;
   byId('wait').replaceChildren(el('p', {}, `This page cannot be shown: ${error instanceof Error ? error.message : String(error)}. It needs a browser with WebGL 2 and DecompressionStream (Chrome 94, Firefox 113, Safari 16.4 or later).`));
 });

@@ -1,7 +1,7 @@
 // The run as the page has it: what was stored, and what is made of it.
 
 import {Vector3} from 'three';
-import type {Facts} from './facts.js';
+import type {Building, Facts} from './facts.js';
 import {type Outline, readOutlines} from './map/polygons.js';
 import {type ColumnMesh, readColumns} from './mesh/columns.js';
 import {makePrisms} from './mesh/prisms.js';
@@ -51,7 +51,7 @@ export async function readModel(blocks: Blocks): Promise<Model> {
   const frame: Frame = {step, centre: [Math.round((xmin + xmax) / 2 / step), Math.round((ymin + ymax) / 2 / step), low]};
   const size = new Vector3(xmax - xmin, ymax - ymin, (high - low) * step);
   const base = low - Math.round(Math.min(60, Math.max(3, 0.014 * Math.hypot(size.x, size.y))) / step);
-  const surface = mesh !== null ? makeSurface(mesh, frame, base, foot) : makePrisms(after, facts.buildings, facts.domain, frame, base);
+  const surface = mesh !== null ? makeSurface(mesh, frame, base, foot) : makePrisms(after, facts.buildings, facts.outline, frame, base);
   return {facts, mesh, surface, frame, base, foot, size, before, after,
           range: {x: [xmin, xmax], y: [ymin, ymax], z: [low * step, top * step]}};
 }
@@ -60,5 +60,8 @@ export async function readModel(blocks: Blocks): Promise<Model> {
 export const toScene = ({frame: {centre, step}}: Model, x: number, y: number, z: number): Vector3 =>
     new Vector3(x - centre[0] * step, y - centre[1] * step, z - centre[2] * step);
 
+/** Of its highest roof, metres. */
+export const heightOf = (building: Building): number => building.top - building.ground;
+
 /** Of the highest building, metres. */
-export const highest = (facts: Facts): number => facts.buildings.reduce((most, b) => Math.max(most, b.top - b.ground), 1);
+export const highest = (facts: Facts): number => facts.buildings.reduce((most, b) => Math.max(most, heightOf(b)), 1);

@@ -1,14 +1,15 @@
 // The controls, and what they do.
 
 import {Vector3} from 'three';
-import {MapView, type MapHit} from './map/map_view.js';
-import {kSurfaceKinds, triangleCount} from './mesh/columns.js';
+import {buildingOf, MapView, type MapHit} from './map/map_view.js';
+import {kSurfaceKinds} from './mesh/columns.js';
 import {findCell} from './mesh/find_cell.js';
-import {leastAngles} from './mesh/quality.js';
+import {leastAnglesOver} from './mesh/quality.js';
 import {type Axis, cutCells, cutSolids} from './mesh/section.js';
-import {highest, type Model, toScene} from './model.js';
+import {heightOf, highest, type Model, toScene} from './model.js';
 import {Panel} from './panel/panel.js';
 import {byId, choice, el, fixed, plural, whole} from './ui/dom.js';
+import {currentTheme, onSystemTheme, storeTheme} from './ui/theme.js';
 import {cityLegend, type Colours, mapLegend} from './ui/legend.js';
 import type {CityView} from './view/city_view.js';
 import {flagStyle, kBestAngle, kHeightRamp, type Theme} from './view/colours.js';
@@ -39,7 +40,7 @@ export class Page {
   private readonly whole: Record<Axis, boolean> = {x: true, y: true, z: false};
   private showsMap = false;
   private theme: Theme = 'light';
-  private measured = false;
+  private measuring: Promise<void> | null = null;
   private cutFrame = 0;
   private readonly panel: Panel;
   private readonly views: {set: (value: 'city' | 'map') => void};
@@ -50,7 +51,9 @@ export class Page {
     const middles = facts.buildings.map((b) => (b.ground + b.roof) / 2).sort((a, b) => a - b);
     this.places = {x: (range.x[0] + range.x[1]) / 2, y: (range.y[0] + range.y[1]) / 2,
                    z: middles[middles.length >> 1] ?? range.z[0] + 5};
-    this.panel = new Panel(facts, model.before, {select: (b) => this.select(b, true), showCell: (n) => this.showCell(n)});
+    this.panel = new Panel(facts, model.before, {
+      select: (b) => this.select(b, true), showFootprint: (f) => this.showFootprint(f, true), showCell: (n) => this.showCell(n),
+    });
     this.views = choice(byId('views'), '', [['city', 'City'], ['map', 'Map']], 'city', (v) => this.setView(v === 'map'));
     choice<Colours>(byId('colours'), 'Colour', [
       ['class', 'Class'], ['height', 'Height'], ...(facts.volume && !facts.whole ? [['quality', 'Quality'] as const] : []), ['flags', 'Flags'],
@@ -59,7 +62,7 @@ export class Page {
     byId('whole').hidden = !facts.volume;
     if (model.mesh === null) byId('cuts').hidden = byId('edges').parentElement!.hidden = true;
     this.listen();
-    this.setTheme(this.storedTheme());
+    this.setTheme(currentTheme());
     this.showLegend();
   }
 
@@ -67,7 +70,11 @@ export class Page {
     byId('edges').addEventListener('click', () => this.toggleEdges());
     byId('home').addEventListener('click', () => this.home());
     byId('north').addEventListener('click', () => this.view.lookNorth());
-    byId('theme').addEventListener('click', () => this.setTheme(this.theme === 'dark' ? 'light' : 'dark'));
+    byId('theme').addEventListener('click', () => {
+      this.setTheme(this.theme === 'dark' ? 'light' : 'dark');
+      storeTheme(this.theme);
+    });
+    onSystemTheme((theme) => this.setTheme(theme));
     byId<HTMLInputElement>('place').addEventListener('input', (event) => {
       if (this.cut !== 'off') this.places[this.cut] = Number((event.target as HTMLInputElement).value);
       this.updateCut();
@@ -82,20 +89,28 @@ export class Page {
     });
     this.listenToCity();
     this.map.onHover = (hit, x, y) => this.tip(hit === null ? null : this.tellMap(hit), x, y);
-    this.map.onClick = (hit) =>
-        this.select(hit === null ? -1 : hit.side === 'after' ? hit.index : this.model.facts.footprints[hit.index].building, false);
+    this.map.onClick = (hit) => {
+      if (hit !== null && buildingOf(this.model.facts, hit) < 0) this.showFootprint(hit.index, false);
+      else this.select(hit === null ? -1 : buildingOf(this.model.facts, hit), false);
+    };
   }
 
   private listenToCity(): void {
     const {view} = this;
     const canvas = byId<HTMLCanvasElement>('city');
     let down: PointerEvent | null = null, hover: PointerEvent | null = null;
+    const stopHovering = (): void => {
+      hover = null;
+      view.setHovered(-1);
+      this.tip(null, 0, 0);
+    };
+    view.onMove = stopHovering;
     canvas.addEventListener('pointerdown', (event) => { down = event; });
     canvas.addEventListener('pointerup', (event) => {
       if (down !== null && Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) < 5) {
         const picked = view.pickRegion(event.clientX, event.clientY);
         this.select(Math.max(-1, picked), false);
-        if (picked < -1) this.hover(event);
+        if (picked < -1 || event.pointerType === 'touch') this.hover(event);
       }
       down = null;
     });
@@ -112,25 +127,24 @@ export class Page {
         }, 50);
       hover = event;
     });
-    canvas.addEventListener('pointerleave', () => {
-      hover = null;
-      view.setHovered(-1);
-      this.tip(null, 0, 0);
-    });
-    canvas.addEventListener('keydown', (event) => this.key(event));
+    canvas.addEventListener('pointerleave', stopHovering);
+    document.addEventListener('keydown', (event) => this.key(event));
     view.onFrame = () => this.updateScale();
   }
 
+  /** Arrows, plus and minus turn the city while it has the focus; letters work wherever nothing is typed. */
   private key(event: KeyboardEvent): void {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const turn = {ArrowLeft: [-6, 0], ArrowRight: [6, 0], ArrowUp: [0, 4], ArrowDown: [0, -4]}[event.key];
-    if (turn !== undefined) this.view.turn(turn[0], turn[1]);
-    else if (event.key === '+' || event.key === '=') this.view.zoom(0.8);
-    else if (event.key === '-') this.view.zoom(1.25);
-    else if (event.key === 'Home') this.home();
-    else if (event.key === 'Escape') this.select(-1, false);
-    else if (event.key.toLowerCase() === 'e') this.toggleEdges();
-    else if (event.key.toLowerCase() === 'n') this.view.lookNorth();
+    const {target, key} = event;
+    if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented || target instanceof HTMLInputElement) return;
+    const turn = {ArrowLeft: [-6, 0], ArrowRight: [6, 0], ArrowUp: [0, 4], ArrowDown: [0, -4]}[key];
+    const isCity = target === byId('city');
+    if (isCity && turn !== undefined) this.view.turn(turn[0], turn[1]);
+    else if (isCity && (key === '+' || key === '=')) this.view.zoom(0.8);
+    else if (isCity && key === '-') this.view.zoom(1.25);
+    else if (key === 'Home' && byId('stage').contains(target as Node)) this.home();
+    else if (key === 'Escape') this.select(-1, false);
+    else if (key.toLowerCase() === 'e' && !this.showsMap) this.toggleEdges();
+    else if (key.toLowerCase() === 'n' && !this.showsMap) this.view.lookNorth();
     else return;
     event.preventDefault();
   }
@@ -157,20 +171,9 @@ export class Page {
     this.map.invalidate();
   }
 
-  private storedTheme(): Theme {
-    try {
-      const stored = localStorage.getItem('tetropolis-theme');
-      if (stored === 'light' || stored === 'dark') return stored;
-    } catch { /* not to be had everywhere */ }
-    return window.matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light';
-  }
-
   setTheme(theme: Theme): void {
     this.theme = theme;
     document.documentElement.dataset['theme'] = theme;
-    try {
-      localStorage.setItem('tetropolis-theme', theme);
-    } catch { /* likewise */ }
     this.view.setTheme(theme);
     this.map.setDark(theme === 'dark');
     this.showLegend();
@@ -181,28 +184,25 @@ export class Page {
     const {facts} = this.model;
     const most = highest(facts);
     if (colours === 'class') this.view.setColouring(Colouring.byClass);
-    if (colours === 'height') this.view.setColouring(Colouring.byBuilding, facts.buildings.map((b) => kHeightRamp.at((b.roof - b.ground) / most)));
+    if (colours === 'height') this.view.setColouring(Colouring.byBuilding, facts.buildings.map((b) => kHeightRamp.at(heightOf(b) / most)));
     if (colours === 'flags') this.view.setColouring(Colouring.byBuilding, facts.buildings.map((b) => flagStyle(b.flags).colour));
     this.showLegend();
     if (colours !== 'quality') return;
-    await this.measure();
+    this.measuring ??= this.measure();
+    await this.measuring;
     if (this.colours === 'quality') this.view.setColouring(Colouring.byAngle);
   }
 
   /** The least angle over each ground triangle, once, in slices. */
   private async measure(): Promise<void> {
     const {mesh, surface} = this.model;
-    if (this.measured || mesh === null) return;
-    const triangles = triangleCount(mesh);
-    const angles = new Float32Array(triangles);
+    if (mesh === null) return;
     let slept = performance.now();
-    for (let t = 0; t < triangles; t += 256) {
-      leastAngles(mesh, t, t + 256, angles);
-      if (performance.now() - slept < 30) continue;
+    const angles = await leastAnglesOver(mesh, async () => {
+      if (performance.now() - slept < 30) return;
       await pause();
       slept = performance.now();
-    }
-    this.measured = true;
+    });
     this.view.setAngles((f) => angles[surface.over[f]] / kBestAngle, surface.triangles);
   }
 
@@ -245,7 +245,9 @@ export class Page {
     const axis = 'xyz'.indexOf(cut);
     this.view.setClip(new Vector3().setComponent(axis, this.sides[cut]), plane.at - frame.centre[axis] * frame.step);
     const origin = cut === 'z' ? 0 : facts.origin[axis];
-    byId('place-value').textContent = `${cut === 'z' ? fixed(plane.at, 1) : whole(plane.at + origin)} m`;
+    const told = `${cut === 'z' ? fixed(plane.at, 1) : whole(plane.at + origin)} m`;
+    byId('place-value').textContent = told;
+    byId('place').setAttribute('aria-valuetext', told);
     byId('cut-count').textContent = cells === null ? '' : plural(cells.cells, 'cell');
   }
 
@@ -253,10 +255,21 @@ export class Page {
     this.view.setSelected(building);
     this.map.setSelected(building);
     this.panel.showBuilding(building);
-    if (!fly || building < 0 || this.showsMap) return;
+    if (!fly || building < 0) return;
     const {box} = this.model.after[building], b = this.model.facts.buildings[building];
-    const size = Math.hypot(box[2] - box[0], box[3] - box[1], b.top - b.ground);
+    byId('stage').scrollIntoView({block: 'nearest'});
+    if (this.showsMap) return this.map.show(box);
+    const size = Math.hypot(box[2] - box[0], box[3] - box[1], heightOf(b));
     this.view.flyTo(toScene(this.model, (box[0] + box[2]) / 2, (box[1] + box[3]) / 2, (b.ground + b.top) / 2), Math.max(60, 3.4 * size), null, 38);
+  }
+
+  /** Tells of a dropped footprint. */
+  private showFootprint(footprint: number, show: boolean): void {
+    this.select(-1, false);
+    this.panel.showFootprint(footprint);
+    if (!show) return;
+    this.setView(true);
+    this.map.show(this.model.before[footprint].box);
   }
 
   /** Flies to one of the worst cells and marks it; -1: none is marked. */
@@ -269,6 +282,7 @@ export class Page {
     const tet = facts.volume && mesh !== null ? findCell(mesh, place.map((v) => v / step)) : null;
     this.view.setMarker(tet === null ? null : tet.map((v, i) => (v - centre[i % 3]) * step));
     if (this.showsMap) this.setView(false);
+    byId('stage').scrollIntoView({block: 'nearest'});
     this.view.flyTo(toScene(this.model, place[0], place[1], place[2]), 70, null, 35);
   }
 
@@ -282,7 +296,7 @@ export class Page {
 
   private tellBuilding(building: number): Content {
     const b = this.model.facts.buildings[building];
-    return [el('b', {}, b.id), ` · ${fixed(b.top - b.ground, 1)} m`,
+    return [el('b', {}, b.id), ` · ${fixed(heightOf(b), 1)} m`,
             el('div', {}, b.sources.length > 1 ? `merged from ${whole(b.sources.length)} footprints` : b.sources[0]),
             ...(b.flags.length > 0 ? [el('div', {}, b.flags.join(', '))] : [])];
   }
@@ -318,6 +332,8 @@ export class Page {
   }
 
   private showLegend(): void {
-    byId('legend').replaceChildren(...(this.showsMap ? mapLegend(this.map, this.theme) : cityLegend(this.model, this.colours, this.cut !== 'off')));
+    const parts = this.showsMap ? mapLegend(this.map, this.theme) : cityLegend(this.model, this.colours, this.cut !== 'off');
+    byId('legend').replaceChildren(...parts);
+    byId('legend').hidden = parts.length === 0;
   }
 }

@@ -15,6 +15,24 @@ const cities = {
   'uniform layers': {build: ['--layering', 'uniform']},
 };
 
+const minus = (a, b) => a.map((v, k) => v - b[k]);
+const cross = ([a, b, c], [d, e, f]) => [b * f - c * e, c * d - a * f, a * e - b * d];
+const dot = (a, b) => a.reduce((sum, v, k) => sum + v * b[k], 0);
+const kPairs = [[0, 1, 2, 3], [0, 2, 1, 3], [0, 3, 1, 2], [1, 2, 0, 3], [1, 3, 0, 2], [2, 3, 0, 1]];
+
+/** Of a tet, degrees: between the parts of the other corners' edges that are perpendicular to each edge. */
+const leastAngle = (tet) => Math.min(...kPairs.map(([a, b, c, d]) => {
+  const along = minus(tet[b], tet[a]);
+  const [u, v] = [c, d].map((k) => cross(along, minus(tet[k], tet[a])));
+  return Math.acos(dot(u, v) / Math.sqrt(dot(u, u) * dot(v, v))) * 180 / Math.PI;
+}));
+
+/** Whether a vertical line meets a tet: it does not where all corners are on one side of it in plan. */
+const isOver = (tet, x, y, margin) => {
+  const turns = tet.map(([px, py]) => Math.atan2(py - y, px - x)).sort((a, b) => a - b);
+  return turns.every((turn, k) => (k < 3 ? turns[k + 1] : turns[0] + 2 * Math.PI) - turn < Math.PI + margin);
+};
+
 for (const [name, options] of Object.entries(cities)) {
   test(name, async (t) => {
     const folder = temporaryFolder(t);
@@ -95,6 +113,22 @@ for (const [name, options] of Object.entries(cities)) {
     if (prisms === 0) assert.equal(kinds[2], faces.wall);
     assert.deepEqual(ground, ['ground', 'water', 'road', 'vegetation'].map((patch) => faces[patch] ?? 0));
     assert.equal(ground[1] > 0, 'surfaces' in options);
+
+    // What is painted on a triangle is the least angle of the tets over its centre.
+    const {leastAnglesOver} = await load(folder, 'mesh/quality.ts');
+    const angles = await leastAnglesOver(mesh, async () => {});
+    const tets = Array.from({length: endOfTets / 4}, (_, c) => [0, 1, 2, 3].map((k) => {
+      const n = 3 * Number(vtu.cells[4 * c + k]);
+      return [vtu.points[n], vtu.points[n + 1], vtu.points[n + 2]];
+    }));
+    for (let n = 0; n < 40; ++n) {
+      const t = Math.floor(n * mesh.region.length / 40);
+      const [x, y] = [mesh.x, mesh.y].map((along) => [0, 1, 2].reduce((sum, k) => sum + along[mesh.corners[3 * t + k]], 0) / 3000);
+      // Cells that the line touches may count or not.
+      const near = tets.filter((tet) => Math.min(...tet.map((p) => p[0])) <= x + 0.1 && Math.max(...tet.map((p) => p[0])) >= x - 0.1);
+      const [least, most] = [2e-3, -2e-3].map((margin) => Math.min(180, ...near.filter((tet) => isOver(tet, x, y, margin)).map(leastAngle)));
+      assert.ok(angles[t] > least - 0.5 && angles[t] < most + 0.5, `triangle ${t}: ${angles[t]}, not ${least} to ${most}`);
+    }
 
     // A section and the solids below it have the area of what they cut.
     const {cutCells, cutSolids} = await load(folder, 'mesh/section.ts');

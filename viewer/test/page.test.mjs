@@ -5,7 +5,7 @@ import {after, before, test} from 'node:test';
 import {mkdtempSync, rmSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import puppeteer from 'puppeteer-core';
-import {makeCity, readReport, readVtu} from './support.mjs';
+import {makeCity, readReport, readVtu, run} from './support.mjs';
 
 const folder = mkdtempSync(join(tmpdir(), 'tetropolis-page-'));
 const out = makeCity(folder, {surfaces: {water: [-10, 40, 310, 75]}});
@@ -130,10 +130,57 @@ test('names the surface layer under the pointer', async () => {
   assert.match(await text('#building'), /Click a building/);
 });
 
-test('finds a building by the id of a footprint', async () => {
-  await page.type('.find input', '17');
-  await page.keyboard.press('Enter');
-  assert.match(await text('#building'), /b\d+ · |dropped/);
+test('hides what it tells while the city moves', async () => {
+  const [x, y] = await toScreen([-140, -90, 0]);
+  await page.mouse.move(x, y);
+  await page.waitForFunction(() => !document.getElementById('tip').hidden);
+  await page.mouse.down();
+  await page.mouse.move(x + 60, y, {steps: 4});
+  assert.equal(await page.$eval('#tip', (e) => e.hidden), true);
+  await page.mouse.up();
+  await page.mouse.move(5, 5);
+});
+
+test('finds buildings and footprints by their ids', async () => {
+  const {footprints, buildings} = await page.evaluate(() => tetropolis.model.facts);
+  const find = async (id) => {
+    await page.$eval('.find input', (e) => { e.value = ''; });
+    await page.type('.find input', id);
+    await page.keyboard.press('Enter');
+    return text('#building');
+  };
+  const merged = buildings.findIndex((b) => b.sources.length > 1);
+  for (const source of buildings[merged].sources) assert.match(await find(source), new RegExp(`${buildings[merged].id} · `));
+  assert.match(await find(buildings[merged].id.toUpperCase()), new RegExp(`${buildings[merged].id} · `));
+  const dropped = footprints.find((f) => f.building < 0);
+  assert.match(await find(dropped.source), new RegExp(`Footprint ${dropped.source} was dropped: `));
+  assert.equal(await page.$eval('#map', (e) => e.hidden), false);
+  await page.click('#views [data-value=city]');
+  assert.match(await find('no such id'), /Nothing has the id no such id/);
+  assert.match(await find(' '), /Click a building/);
+});
+
+test('picks what a plane cuts', async () => {
+  await page.evaluate(() => tetropolis.view.flyTo(tetropolis.view.controls.target.clone().set(0, 0, 0), 700, 180, 88, false));
+  await page.click('#cuts [data-value=z]');
+  await settle();
+  const cut = await page.evaluate(() => {
+    const {view, model} = tetropolis, z = Number(document.getElementById('place').value) - model.frame.centre[2] * model.frame.step;
+    const {position: p, feature, triangles} = model.surface;
+    const found = new Map();
+    for (let f = 0; f < triangles; ++f) {
+      if ((feature[3 * f] & 3) !== 1 || ![2, 5, 8].every((k) => p[9 * f + k] > z + 0.5)) continue;
+      const centre = [0, 1].map((k) => (p[9 * f + k] + p[9 * f + 3 + k] + p[9 * f + 6 + k]) / 3);
+      found.set((feature[3 * f] >> 5) - 1, [...centre, z]);
+    }
+    return [...found];
+  });
+  assert.ok(cut.length > 5);
+  for (const [building, place] of cut.filter((_, i) => i % 3 === 0)) {
+    await page.mouse.click(...(await toScreen(place)));
+    assert.match(await text('#building'), new RegExp(`b${building} · `));
+  }
+  await page.click('#cuts [data-value=off]');
 });
 
 test('cuts the cells that are at the plane', async () => {
@@ -178,6 +225,20 @@ test('changes colours', async () => {
   await page.click('#theme');
 });
 
+test('colours buildings by the heights that it tells', async () => {
+  await page.click('#colours [data-value=height]');
+  const {texels, heights} = await page.evaluate(() => ({
+    texels: [...tetropolis.view.uniforms.buildings.value.image.data.subarray(0, 4 * tetropolis.model.facts.buildings.length)],
+    heights: tetropolis.model.facts.buildings.map((b) => b.top - b.ground)}));
+  const order = heights.map((_, b) => b).sort((a, b) => heights[a] - heights[b]);
+  const last = order[order.length - 1];
+  assert.deepEqual(texels.slice(4 * last, 4 * last + 3), [0x45, 0x32, 0x7a]);
+  // The ramp darkens.
+  const light = order.map((b) => texels[4 * b] + texels[4 * b + 1] + texels[4 * b + 2]);
+  light.forEach((value, i) => assert.ok(i === 0 || value <= light[i - 1]));
+  await page.click('#colours [data-value=class]');
+});
+
 test('flies to the worst cells', async () => {
   await page.click('#worst button');
   await settle();
@@ -216,9 +277,50 @@ test('can be used without a mouse', async () => {
   assert.ok(difference(before, await look()) > 0.2);
   await page.keyboard.press('e');
   assert.equal(await page.$eval('#edges', (e) => e.getAttribute('aria-pressed')), 'true');
-  await page.focus('#colours [data-value=flags]');
+  await page.click('#colours [data-value=flags]');
   await page.keyboard.press('ArrowRight');
   assert.equal(await page.$eval('#colours [aria-checked=true]', (e) => e.dataset.value), 'class');
+});
+
+test('follows the theme of the system until one is chosen', {skip: firefox !== undefined}, async () => {
+  const other = await browser.newPage();
+  const theme = async () => {
+    await other.evaluate(() => new Promise((done) => requestAnimationFrame(() => setTimeout(done, 50))));
+    return other.evaluate(() => document.documentElement.dataset.theme);
+  };
+  const system = (value) => other.emulateMediaFeatures([{name: 'prefers-color-scheme', value}]);
+  await other.bringToFront();
+  await system('dark');
+  await other.goto(`file://${join(out, 'index.html')}`);
+  await other.evaluate(() => localStorage.clear());
+  await other.reload();
+  await other.waitForFunction('window.tetropolis', {timeout: 120_000});
+  assert.equal(await theme(), 'dark');
+  await system('light');
+  assert.equal(await theme(), 'light');
+  await other.click('#theme');
+  await system('dark');
+  await theme();
+  await system('light');
+  assert.equal(await theme(), 'dark');
+  await other.evaluate(() => localStorage.clear());
+  await other.close();
+});
+
+test('tells what heights rest on, and settings as options, without points', async () => {
+  const plain = join(folder, 'plain');
+  run('build', '--footprints', join(folder, 'in', 'footprints.shp'), '--id-attribute', 'id', '--out', plain);
+  const other = await browser.newPage();
+  await other.goto(`file://${join(plain, 'index.html')}`);
+  await other.waitForFunction('window.tetropolis', {timeout: 120_000});
+  await other.click('#colours [data-value=flags]');
+  assert.equal(await other.$eval('#legend', (e) => e.textContent), `default height${readReport(plain).city.buildings}`);
+  await other.evaluate(() => tetropolis.page.select(0, false));
+  assert.match(await other.$eval('#building', (e) => e.textContent), /default height/);
+  const warnings = await other.$eval('#warnings', (e) => e.textContent);
+  assert.match(warnings, /level at 0 m \(--ground-level\); give a raster with --dtm /);
+  assert.match(warnings, /get 6 m \(--default-height\)/);
+  await other.close();
 });
 
 test('fits on a telephone', async () => {

@@ -14,6 +14,10 @@ export interface MapHit {
   index: number;
 }
 
+/** -1 of a dropped footprint. */
+export const buildingOf = ({footprints}: Facts, {side, index}: MapHit): number =>
+    side === 'after' ? index : footprints[index].building;
+
 const kColours = {
   light: {paper: '#f4f2ed', domain: '#ffffff', line: '#4b5563', edge: '#2b313a', kept: '#8d9db0', merged: '#5fa39a',
           dropped: '#d9705c', faint: '#b9b4ab', accent: '#ffb224'},
@@ -22,6 +26,9 @@ const kColours = {
 };
 
 export const fateColour = (fate: Fate, dark: boolean): string => kColours[dark ? 'dark' : 'light'][fate];
+
+/** Its width in style.css. */
+const kThumb = 34;
 
 export class MapView {
   onHover: (hit: MapHit | null, x: number, y: number) => void = () => {};
@@ -32,6 +39,8 @@ export class MapView {
   private readonly line = el('div', {class: 'line'});
   private readonly slider = el('input', {type: 'range', min: 0, max: 1000, value: 500, 'aria-label': 'Border between before and after'});
   private readonly fates: Fate[];
+  /** What the legend counts. */
+  private readonly told: Fate[];
   private dark = false;
   private frame = 0;
   // CSS pixels = (metres - centre) * scale, y upwards.
@@ -43,8 +52,11 @@ export class MapView {
 
   constructor(private readonly host: HTMLElement, private readonly facts: Facts,
               private readonly before: readonly Outline[], private readonly after: readonly Outline[]) {
-    this.fates = facts.footprints.map((f) =>
-        f.building < 0 ? 'dropped' : facts.buildings[f.building].sources.length > 1 ? 'merged' : 'kept');
+    const fateOf = (building: number): Fate =>
+        building < 0 ? 'dropped' : facts.buildings[building].sources.length > 1 ? 'merged' : 'kept';
+    this.fates = facts.footprints.map((f) => fateOf(f.building));
+    // Pages of meshes alone have no footprints.
+    this.told = this.fates.length > 0 ? this.fates : facts.buildings.map((_, b) => fateOf(b));
     const swipe = el('div', {id: 'swipe'}, this.line,
                      el('span', {class: 'word', style: 'right:calc(100% - var(--at) + 10px)'}, 'Before'),
                      el('span', {class: 'word', style: 'left:calc(var(--at) + 10px)'}, 'After'), this.slider);
@@ -55,7 +67,7 @@ export class MapView {
     this.listen();
   }
 
-  count(fate: Fate): number { return this.fates.filter((f) => f === fate).length; }
+  count(fate: Fate): number { return this.told.filter((f) => f === fate).length; }
 
   setDark(dark: boolean): void {
     this.dark = dark;
@@ -72,10 +84,19 @@ export class MapView {
     this.invalidate();
   }
 
+  /** Moves to a box (xmin, ymin, xmax, ymax; metres), and nearer if it would be small. */
+  show([xmin, ymin, xmax, ymax]: Outline['box']): void {
+    this.centre = [(xmin + xmax) / 2, (ymin + ymax) / 2];
+    this.scale = Math.max(this.scale, Math.min(this.host.clientWidth, this.host.clientHeight) / 8 / Math.max(1, xmax - xmin, ymax - ymin));
+    this.fitted = true;
+    this.invalidate();
+  }
+
   /** Where the line between before and after is, CSS pixels. */
   private border(): number {
     if (this.before.length === 0) return 0;
-    return (Number(this.slider.value) / 1000) * this.host.clientWidth;
+    // Under the middle of the slider's thumb, which stays within.
+    return kThumb / 2 + Number(this.slider.value) / 1000 * (this.host.clientWidth - kThumb);
   }
 
   invalidate(): void {
@@ -150,7 +171,7 @@ export class MapView {
     const outlines = side === 'before' ? this.before : this.after;
     const index = outlines.findIndex((outline) => contains(outline, x, y));
     if (index >= 0) return {side, index};
-    // What was dropped is there on neither side, and told on both.
+    // What was dropped is told on both sides.
     if (side === 'after') {
       const dropped = this.before.findIndex((outline, i) => this.fates[i] === 'dropped' && contains(outline, x, y));
       if (dropped >= 0) return {side: 'before', index: dropped};

@@ -5,7 +5,10 @@ import type {Building} from '../facts.js';
 import type {Outline} from '../map/polygons.js';
 import {type Frame, Kind, SurfaceBuilder, type Surface} from './surface.js';
 
-/** Prisms stand on the lowest of their grounds, at the frame's centre. `domain` in metres, `base` in steps. */
+/**
+ * Prisms stand on the lowest of their grounds, at the frame's centre. `domain`: x and y of its corners
+ * in turn, metres; `base` in steps.
+ */
 export function makePrisms(outlines: readonly Outline[], buildings: readonly Building[], domain: readonly number[],
                            frame: Frame, base: number): Surface {
   const x: number[] = [], y: number[] = [];
@@ -32,12 +35,12 @@ export function makePrisms(outlines: readonly Outline[], buildings: readonly Bui
       at += ring.length;
     }
   });
-  const [xmin, ymin, xmax, ymax] = domain;
-  const corner = [vertex(xmin, ymin), vertex(xmax, ymin), vertex(xmax, ymax), vertex(xmin, ymax)];
-  triangles.push([corner[0], ground, corner[1], ground, corner[2], ground, Kind.ground, -1],
-                 [corner[0], ground, corner[2], ground, corner[3], ground, Kind.ground, -1]);
+  const rim = Array.from({length: domain.length / 2}, (_, i) => new Vector2(domain[2 * i], domain[2 * i + 1]));
+  const corner = rim.map((p) => vertex(p.x, p.y));
+  for (const [i, j, k] of ShapeUtils.triangulateShape(rim, []) as [number, number, number][])
+    triangles.push([corner[i], ground, corner[j], ground, corner[k], ground, Kind.ground, -1]);
   corner.forEach((v, i) => {
-    const w = corner[(i + 1) % 4];
+    const w = corner[(i + 1) % corner.length];
     triangles.push([v, base, w, base, w, ground, Kind.soil, -1], [v, base, w, ground, v, ground, Kind.soil, -1]);
   });
   const foot = new Int32Array(buildings.length).fill(ground);

@@ -1,7 +1,7 @@
 // The least dihedral angle of tets: src/volume/quality/tet_cosines.h.
 
 import {Climb} from './climb.js';
-import {type ColumnMesh, triangleCount} from './columns.js';
+import {type ColumnMesh, triangleCount, upperCorners, upperCount} from './columns.js';
 
 const kDegrees = 180 / Math.PI;
 
@@ -40,8 +40,8 @@ export function tetCorners(mesh: ColumnMesh, climb: Climb, i: number, p: Float64
   p[11] = mesh.z[climb.at[i] + 1];
 }
 
-/** Per ground triangle from `begin` to `end` - 1: the least angle of any cell of its columns, degrees. */
-export function leastAngles(mesh: ColumnMesh, begin: number, end: number, angles: Float32Array): void {
+/** Per ground triangle from `begin` to `end` - 1: the least angle of any tet of its stack, degrees. */
+function leastAngles(mesh: ColumnMesh, begin: number, end: number, angles: Float32Array): void {
   const climb = new Climb(mesh);
   const p = new Float64Array(12);
   for (let t = begin; t < Math.min(end, triangleCount(mesh)); ++t) {
@@ -53,4 +53,84 @@ export function leastAngles(mesh: ColumnMesh, begin: number, end: number, angles
     }
     angles[t] = least;
   }
+}
+
+/** Whether a place lies in what the tet covers in plan. */
+function covers(p: ArrayLike<number>, x: number, y: number): boolean {
+  /** Twice the area of a triangle: of two corners and the place. */
+  const area = (i: number, j: number): number => (p[i] - x) * (p[j + 1] - y) - (p[i + 1] - y) * (p[j] - x);
+  return [[0, 3, 6], [0, 3, 9], [3, 6, 9], [6, 0, 9]].some(([a, b, c]) => {
+    const parts = [area(a, b), area(b, c), area(c, a)];
+    const isUpright = Math.abs(parts[0] + parts[1] + parts[2]) < 1;
+    return !isUpright && (parts.every((part) => part >= 0) || parts.every((part) => part <= 0));
+  });
+}
+
+/** Ground triangles by their centres, in squares of a grid. */
+class Centres {
+  private readonly x: Float64Array;
+  private readonly y: Float64Array;
+  private readonly low: [number, number] = [Infinity, Infinity];
+  private readonly size: number;
+  private readonly columns: number;
+  private readonly rows: number;
+  /** Per square, and one more: it has the triangles first[s] to first[s + 1] - 1 of `sorted`. */
+  private readonly first: Int32Array;
+  private readonly sorted: Int32Array;
+
+  constructor({x, y, corners}: ColumnMesh) {
+    const count = corners.length / 3;
+    const centre = (along: Int32Array): Float64Array => Float64Array.from(
+        {length: count}, (_, t) => (along[corners[3 * t]] + along[corners[3 * t + 1]] + along[corners[3 * t + 2]]) / 3);
+    this.x = centre(x);
+    this.y = centre(y);
+    const high = [-Infinity, -Infinity];
+    for (let t = 0; t < count; ++t)
+      [this.x[t], this.y[t]].forEach((value, k) => {
+        this.low[k] = Math.min(this.low[k], value);
+        high[k] = Math.max(high[k], value);
+      });
+    const [width, height] = [high[0] - this.low[0], high[1] - this.low[1]];
+    this.size = Math.max(1, Math.sqrt(width * height / Math.max(1, count)));
+    this.columns = Math.floor(width / this.size) + 1;
+    this.rows = Math.floor(height / this.size) + 1;
+    const square = (t: number): number => this.row(this.y[t]) * this.columns + this.column(this.x[t]);
+    this.first = new Int32Array(this.columns * this.rows + 1);
+    for (let t = 0; t < count; ++t) ++this.first[square(t) + 1];
+    for (let s = 0; s + 1 < this.first.length; ++s) this.first[s + 1] += this.first[s];
+    this.sorted = new Int32Array(count);
+    const next = this.first.slice();
+    for (let t = 0; t < count; ++t) this.sorted[next[square(t)]++] = t;
+  }
+
+  private column(x: number): number { return Math.min(this.columns - 1, Math.max(0, Math.floor((x - this.low[0]) / this.size))); }
+  private row(y: number): number { return Math.min(this.rows - 1, Math.max(0, Math.floor((y - this.low[1]) / this.size))); }
+
+  /** Calls `visit` for each triangle whose centre the tet covers. */
+  visit(p: ArrayLike<number>, visit: (triangle: number) => void): void {
+    const xs = [p[0], p[3], p[6], p[9]], ys = [p[1], p[4], p[7], p[10]];
+    const from = this.column(Math.min(...xs)), to = this.column(Math.max(...xs));
+    for (let row = this.row(Math.min(...ys)); row <= this.row(Math.max(...ys)); ++row)
+      for (let i = this.first[row * this.columns + from]; i < this.first[row * this.columns + to + 1]; ++i) {
+        const t = this.sorted[i];
+        if (covers(p, this.x[t], this.y[t])) visit(t);
+      }
+  }
+}
+
+/** Per ground triangle: the least angle of any cell over its centre, degrees; pauses now and then. */
+export async function leastAnglesOver(mesh: ColumnMesh, pause: () => Promise<void>): Promise<Float32Array> {
+  const triangles = triangleCount(mesh), angles = new Float32Array(triangles);
+  for (let t = 0; t < triangles; t += 256) {
+    leastAngles(mesh, t, t + 256, angles);
+    await pause();
+  }
+  const centres = new Centres(mesh), p = new Float64Array(12);
+  for (let c = 0; c < upperCount(mesh); ++c) {
+    upperCorners(mesh, c, p);
+    const angle = leastDihedral(p);
+    centres.visit(p, (t) => { angles[t] = Math.min(angles[t], angle); });
+    if (c % 256 === 0) await pause();
+  }
+  return angles;
 }

@@ -25,13 +25,13 @@ export interface CutCells {
 
 export const kPrism = -1;
 
-export const enum Solid { soil, building }
-
 export interface CutSolids {
   position: Float32Array;
-  /** Per vertex. */
-  solid: Uint8Array;
+  /** Per vertex: the building, -1 of soil. */
+  building: Int32Array;
 }
+
+const kSoil = -1;
 
 /** Grows by doubling. */
 class Floats {
@@ -221,17 +221,17 @@ export function cutCells(mesh: ColumnMesh, frame: Frame, plane: Plane, whole: bo
 export function cutSolids(mesh: ColumnMesh, frame: Frame, plane: Plane, base: number,
                           ground: Int32Array): CutSolids {
   const position = new Floats();
-  const solid: Solid[] = [];
+  const buildings: number[] = [];
   const {step, centre} = frame;
   const place = inSteps(frame, plane.at);
   const vertex = (x: number, y: number, z: number): void =>
       position.push((x - centre[0]) * step, (y - centre[1]) * step, (z - centre[2]) * step);
   type Point = readonly [number, number, number];
-  const polygon = (points: readonly Point[], what: Solid): void => {
+  const polygon = (points: readonly Point[], what: number): void => {
     for (let k = 1; k + 1 < points.length; ++k)
       for (const p of [points[0], points[k], points[k + 1]]) {
         vertex(...p);
-        solid.push(what);
+        buildings.push(what);
       }
   };
   const {x, y, z, corners, floor} = mesh;
@@ -252,7 +252,7 @@ export function cutSolids(mesh: ColumnMesh, frame: Frame, plane: Plane, base: nu
         }
       }
       if (points.length > 2)
-        polygon(points, building >= 0 && ground[building] < place ? Solid.building : Solid.soil);
+        polygon(points, building >= 0 && ground[building] < place ? building : kSoil);
     } else if (isCrossed(mesh, along, t, place)) {
       const ends: Point[] = [];
       for (let k = 0; k < 3; ++k) {
@@ -265,16 +265,16 @@ export function cutSolids(mesh: ColumnMesh, frame: Frame, plane: Plane, base: nu
         ends.push([a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1]), a[2] + s * (b[2] - a[2])]);
       }
       const [p, q] = ends;
-      const upright = (lowP: number, lowQ: number, highP: number, highQ: number, what: Solid): void =>
+      const upright = (lowP: number, lowQ: number, highP: number, highQ: number, what: number): void =>
           polygon([[p[0], p[1], lowP], [q[0], q[1], lowQ], [q[0], q[1], highQ], [p[0], p[1], highP]], what);
       if (building < 0) {
-        upright(base, base, p[2], q[2], Solid.soil);
+        upright(base, base, p[2], q[2], kSoil);
       } else {
         const foot = Math.max(base, Math.min(ground[building], p[2], q[2]));
-        upright(base, base, foot, foot, Solid.soil);
-        upright(foot, foot, p[2], q[2], Solid.building);
+        upright(base, base, foot, foot, kSoil);
+        upright(foot, foot, p[2], q[2], building);
       }
     }
   }
-  return {position: position.get(), solid: Uint8Array.from(solid)};
+  return {position: position.get(), building: Int32Array.from(buildings)};
 }

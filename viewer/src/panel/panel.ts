@@ -3,14 +3,17 @@
 import type {Building, CellScore, Facts, Report, WorstCell} from '../facts.js';
 import {areaOf, type Outline} from '../map/polygons.js';
 import {byId, el, fixed, megabytes, plural, seconds, whole} from '../ui/dom.js';
-import {css, flagStyle, kBestAngle, kFlagStyles, kHeightRamp, kQualityRamp} from '../view/colours.js';
+import {css, kBestAngle, kFlagStyles, kHeightRamp, kNoFlag, kQualityRamp} from '../view/colours.js';
+import {heightOf, highest} from '../model.js';
 import {type Bar, histogram, niceStep} from './charts.js';
 
 export interface PanelActions {
   /** Shows a building, -1: none. */
   select: (building: number) => void;
-  /** Flies to one of the report's worst cells. */
-  showCell: (number: number) => void;
+  /** Shows a footprint that was dropped. */
+  showFootprint: (footprint: number) => void;
+  /** Flies to one of the report's worst cells; null: it cannot. */
+  showCell: ((number: number) => void) | null;
 }
 
 const section = (id: string, title: string, ...children: (Node | string | null | false)[]): HTMLElement =>
@@ -75,11 +78,7 @@ class BuildingSection {
     const input = el('input', {type: 'search', placeholder: 'Id of a building or a footprint', 'aria-label': 'Id of a building or a footprint'});
     const find = (event: Event): void => {
       event.preventDefault();
-      const wanted = input.value.trim();
-      const exact = facts.buildings.findIndex((b) => b.id === wanted || b.sources.includes(wanted));
-      const found = exact >= 0 ? exact : facts.buildings.findIndex((b) => b.sources.some((s) => s.includes(wanted)));
-      if (wanted !== '' && found >= 0) actions.select(found);
-      else this.tell(wanted);
+      this.find(input.value.trim());
     };
     this.element.append(el('form', {class: 'find', onsubmit: find}, input, el('button', {type: 'submit'}, 'Find')), this.body);
     this.show(-1);
@@ -90,17 +89,34 @@ class BuildingSection {
     return i === undefined ? '' : `${whole(areaOf(this.before[i]))} m²`;
   }
 
-  private tell(wanted: string): void {
-    const dropped = this.facts.footprints.find((f) => f.source === wanted && f.building < 0);
-    this.body.replaceChildren(el('p', {class: 'soft'}, dropped === undefined ? `Nothing has the id ${wanted}.` :
-        `Footprint ${wanted} was dropped: ${dropped.reason ?? 'no reason given'}.`));
+  /** Whole ids first, of whatever has them; then the first that begins with it or has it within. */
+  private find(wanted: string): void {
+    const {buildings, footprints} = this.facts;
+    if (wanted === '') return this.actions.select(-1);
+    const isDropped = (i: number): boolean => footprints[i].building < 0;
+    const search = (fits: (id: string) => boolean): (() => void) | undefined => {
+      const building = buildings.findIndex((b) => fits(b.id) || b.sources.some(fits));
+      if (building >= 0) return () => this.actions.select(building);
+      const dropped = footprints.findIndex((f, i) => isDropped(i) && fits(f.source));
+      return dropped < 0 ? undefined : () => this.actions.showFootprint(dropped);
+    };
+    const low = wanted.toLowerCase();
+    const whole = search((id) => id === wanted) ?? search((id) => id.toLowerCase() === low);
+    const part = whole ?? search((id) => id.toLowerCase().startsWith(low)) ?? search((id) => id.toLowerCase().includes(low));
+    if (part === undefined) return this.say(`Nothing has the id ${wanted}.`);
+    part();
+    if (whole === undefined) this.body.prepend(el('p', {class: 'soft'}, `No id is ${wanted}; the first with it in its name:`));
+  }
+
+  private say(text: string): void { this.body.replaceChildren(el('p', {class: 'soft'}, text)); }
+
+  showFootprint(footprint: number): void {
+    const {source, reason} = this.facts.footprints[footprint];
+    this.say(`Footprint ${source} was dropped: ${reason ?? 'no reason given'}.`);
   }
 
   show(building: number): void {
-    if (building < 0) {
-      this.body.replaceChildren(el('p', {class: 'soft'}, 'Click a building to see its heights, flags and footprints.'));
-      return;
-    }
+    if (building < 0) return this.say('Click a building to see its heights, flags and footprints.');
     this.body.replaceChildren(...describeBuilding(this.facts.buildings[building], (source) => this.area(source)),
                               el('button', {class: 'copy', onclick: () => this.actions.select(-1)}, 'Let go'));
   }
@@ -115,14 +131,13 @@ function describeRoof(b: Building): string {
 
 /** `area`: of a footprint as text, as far as it is known. */
 function describeBuilding(b: Building, area: (source: string) => string): Node[] {
-  const height = b.top - b.ground;
   const pair = (name: string, value: string): Node[] => [el('dt', {}, name), el('dd', {}, value)];
   const flags = b.flags.map((flag) => {
-    const style = kFlagStyles.find((s) => s.name === flag) ?? flagStyle([flag]);
-    return el('span', {class: 'chip', title: flag}, el('i', {style: `background:${css(style.colour)}`}), style.label || flag);
+    const {colour, label} = kFlagStyles.find((s) => s.name === flag) ?? {...kNoFlag, label: flag};
+    return el('span', {class: 'chip', title: flag}, el('i', {style: `background:${css(colour)}`}), label);
   });
   return [
-    el('p', {}, el('b', {}, b.id), ' · ', `${fixed(height, 1)} m high, ${whole(b.area)} m²`),
+    el('p', {}, el('b', {}, b.id), ' · ', `${fixed(heightOf(b), 1)} m high, ${whole(b.area)} m²`),
     el('div', {}, ...flags),
     el('dl', {class: 'pairs'},
        ...(b.parts === undefined ? [] : pair('Roof', describeRoof(b))),
@@ -168,21 +183,21 @@ function fates(facts: Facts): HTMLElement | null {
 }
 
 function heights(facts: Facts): HTMLElement | null {
-  const values = facts.buildings.map((b) => b.top - b.ground);
+  const values = facts.buildings.map(heightOf);
   if (values.length === 0) return null;
-  const highest = Math.max(...values), median = values.slice().sort((a, b) => a - b)[values.length >> 1];
-  const step = niceStep(highest, 22);
+  const most = highest(facts), median = values.slice().sort((a, b) => a - b)[values.length >> 1];
+  const step = niceStep(most, 22);
   const bars: Bar[] = [];
-  for (let from = 0; from < highest; from += step) {
-    const count = values.filter((v) => v >= from && (v < from + step || (from + step >= highest && v >= from))).length;
-    bars.push({from, to: from + step, count, colour: css(kHeightRamp.at((from + step / 2) / highest)),
+  for (let from = 0; from < most; from += step) {
+    const count = values.filter((v) => v >= from && (v < from + step || (from + step >= most && v >= from))).length;
+    bars.push({from, to: from + step, count, colour: css(kHeightRamp.at((from + step / 2) / most)),
                title: `${fixed(from, step < 1 ? 1 : 0)} to ${fixed(from + step, step < 1 ? 1 : 0)} m: ${plural(count, 'building')}`});
   }
   const end = bars[bars.length - 1].to, tick = niceStep(end, 5);
   const ticks = Array.from({length: Math.floor(end / tick) + 1}, (_, i) => +(i * tick).toFixed(6));
   const element = section('heights', 'Heights of buildings',
       histogram(bars, ticks, ' m', [{at: median, name: `median ${fixed(median, 1)} m`}], 'Histogram of the heights of buildings'));
-  element.querySelector('h2')!.append(el('span', {class: 'aside'}, `highest ${fixed(highest, 1)} m`));
+  element.querySelector('h2')!.append(el('span', {class: 'aside'}, `highest ${fixed(most, 1)} m`));
   return element;
 }
 
@@ -209,14 +224,14 @@ class WorstCells {
   readonly element: HTMLElement;
   private readonly buttons: HTMLButtonElement[];
 
-  constructor(cells: readonly WorstCell[], actions: PanelActions) {
-    this.buttons = cells.map((cell, i) => el('button', {'aria-pressed': 'false', onclick: () => actions.showCell(i)},
+  constructor(cells: readonly WorstCell[], {showCell}: PanelActions) {
+    this.buttons = cells.map((cell, i) => el('button', {'aria-pressed': 'false', disabled: showCell === null, onclick: () => showCell?.(i)},
         el('span', {class: 'soft'}, i + 1), el('span', {}, `${fixed(cell.min_dihedral_deg, 1)}°`),
         el('span', {}, `${fixed(cell.max_dihedral_deg, 1)}°`), el('span', {}, cell.cause)));
     this.element = section('worst', 'Worst cells',
         el('div', {class: 'head'}, el('span', {}), el('span', {}, 'least'), el('span', {}, 'greatest'), el('span', {}, 'cause')),
         el('div', {class: 'cells'}, ...this.buttons.map((button) => el('div', {style: 'border-top:1px solid var(--line)'}, button))));
-    this.element.querySelector('h2')!.append(el('span', {class: 'aside'}, 'click to fly there'));
+    if (showCell !== null) this.element.querySelector('h2')!.append(el('span', {class: 'aside'}, 'click to fly there'));
   }
 
   show(number: number): void {
@@ -224,13 +239,22 @@ class WorstCells {
   }
 }
 
-/** Settings in backquotes become the options of the command line. */
-const withOptions = (message: string): (Node | string)[] => message.split('`').map((part, i) =>
-    i % 2 === 1 ? el('code', {}, /^[a-z]\w*$/.test(part) ? `--${part.replaceAll('_', '-')}` : part) : part);
+/** Settings become the options of the command line, as with_options of apps/tetropolis/options.h has them. */
+function withOptions(message: string, config: Report['config']): (Node | string)[] {
+  const option = (name: string): string | null => name in config ? `--${name.replaceAll('_', '-')}` : null;
+  // What is quoted, or words with an underscore.
+  return message.split(/(`[^`]*`(?: = )?|\b[a-z]+(?:_[a-z]+)+\b(?: = )?)/).map((part, i) => {
+    if (i % 2 === 0) return part;
+    const [, quoted, bare, equals] = /^(?:`([^`]*)`|(.*?))( = )?$/.exec(part)!;
+    const known = option(quoted ?? bare);
+    if (known !== null) return el('code', {}, equals === undefined ? known : `${known} `);
+    return quoted === undefined ? part : el('code', {}, quoted, equals);
+  });
+}
 
 function warnings(report: Report): HTMLElement {
   return section('warnings', 'Warnings', ...(report.warnings.length === 0 ? [el('p', {class: 'soft'}, 'None.')] :
-      report.warnings.map((w) => el('div', {class: 'warning'}, ...withOptions(w.message), ' ', el('code', {}, w.count > 1 ? `${w.code} × ${whole(w.count)}` : w.code)))));
+      report.warnings.map((w) => el('div', {class: 'warning'}, ...withOptions(w.message, report.config), ' ', el('code', {}, w.count > 1 ? `${w.code} × ${whole(w.count)}` : w.code)))));
 }
 
 function times(report: Report): HTMLElement {
@@ -295,5 +319,6 @@ export class Panel {
   }
 
   showBuilding(building: number): void { this.building.show(building); }
+  showFootprint(footprint: number): void { this.building.showFootprint(footprint); }
   showCell(number: number): void { this.worst?.show(number); }
 }

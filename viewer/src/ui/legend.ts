@@ -21,9 +21,8 @@ const ramp = (title: string, gradient: string, ticks: readonly string[]): HTMLEl
 const kAngles = ['0°', '20°', '40°', '60°'];
 
 export function mapLegend(map: MapView, theme: Theme): HTMLElement[] {
-  const fates = [['kept', 'kept'], ['merged', 'merged with neighbours'], ['dropped', 'dropped']] as const;
-  return [el('ul', {class: 'keys column'}, ...fates.filter(([fate]) => map.count(fate) > 0)
-      .map(([fate, text]) => key(fateColour(fate, theme === 'dark'), text, map.count(fate))))];
+  const fates = ([['kept', 'kept'], ['merged', 'merged with neighbours'], ['dropped', 'dropped']] as const).filter(([fate]) => map.count(fate) > 0);
+  return fates.length === 0 ? [] : [el('ul', {class: 'keys column'}, ...fates.map(([fate, text]) => key(fateColour(fate, theme === 'dark'), text, map.count(fate))))];
 }
 
 /** `cuts`: whether a plane cuts the city. */
@@ -37,7 +36,7 @@ export function cityLegend({facts, mesh}: Model, colours: Colours, cuts: boolean
     parts.push(ramp('Least dihedral angle', kQualityRamp.gradient(), kAngles));
     parts.push(el('p', {class: 'note'}, 'of the worst cell over each triangle'));
   }
-  if (colours === 'flags') {
+  if (colours === 'flags' && facts.buildings.length > 0) {
     const counts = new Map<string, number>();
     for (const {flags} of facts.buildings) counts.set(flagStyle(flags).name, (counts.get(flagStyle(flags).name) ?? 0) + 1);
     parts.push(el('ul', {class: 'keys column'}, ...[...kFlagStyles, kNoFlag].filter((s) => counts.has(s.name))
@@ -48,6 +47,8 @@ export function cityLegend({facts, mesh}: Model, colours: Colours, cuts: boolean
     parts.push(el('ul', {class: 'keys'}, (facts.whole || facts.layers > 0) && key(kPrismColour, 'prism'), key(kSolidColours.building, 'building'), key(kSolidColours.soil, 'soil')));
   }
   if (facts.cells > 0 && !facts.volume)
-    parts.push(el('p', {class: 'note'}, `${whole(facts.cells)} cells are too many for a page: this one shows ${facts.mesh ? 'the surface, and sections without cells' : 'the buildings'}.`));
+    parts.push(el('p', {class: 'note'}, `${whole(facts.cells)} cells are too many for a page: this one shows ${facts.mesh ? 'the surface, and sections without cells' : 'the buildings as blocks'}.`));
+  else if (mesh === null && facts.buildings.length > 0)
+    parts.push(el('p', {class: 'note'}, 'Buildings as blocks on level ground.'));
   return parts;
 }

@@ -4,7 +4,7 @@ import {
   AmbientLight, Box2, BufferAttribute, BufferGeometry, CircleGeometry, Color, DataTexture, DirectionalLight,
   HemisphereLight, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, PCFShadowMap,
   PerspectiveCamera, Plane, Scene, ShadowMaterial, Vector2, Vector3, WebGLRenderer,
-  WebGLRenderTarget, DoubleSide,
+  WebGLRenderTarget, DoubleSide, FrontSide,
 } from 'three';
 import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
 import type {SkyMap} from '../mesh/sky.js';
@@ -21,6 +21,16 @@ const kFieldOfView = 32;
 /** Of the sun: azimuth clockwise from north, elevation. */
 const kSun = {azimuth: 222, elevation: 42};
 
+/** Where the camera is, seen from what is looked at: metres; degrees clockwise from north, and up. */
+interface Place {
+  distance: number;
+  azimuth: number;
+  elevation: number;
+}
+
+/** `azimuth`, or as many full turns from it as bring it nearest to `from`. */
+const nearestTurn = (from: number, azimuth: number): number => azimuth + 360 * Math.round((from - azimuth) / 360);
+
 /** From a place to one that is seen from there at an azimuth and elevation, degrees. */
 function away(distance: number, azimuth: number, elevation: number): Vector3 {
   const a = azimuth * Math.PI / 180, e = elevation * Math.PI / 180;
@@ -30,6 +40,8 @@ function away(distance: number, azimuth: number, elevation: number): Vector3 {
 export class CityView {
   /** Called after each frame. */
   onFrame: () => void = () => {};
+  /** Called when the city begins to move. */
+  onMove: () => void = () => {};
   readonly camera = new PerspectiveCamera(kFieldOfView, 1, 1, 10000);
   readonly controls: OrbitControls;
 
@@ -37,7 +49,7 @@ export class CityView {
   private readonly scene = new Scene();
   private readonly pickScene = new Scene();
   private readonly pickTarget = new WebGLRenderTarget(1, 1);
-  private readonly picker = pickMaterial();
+  private readonly picker = pickMaterial(FrontSide);
   /** Browsers that resist fingerprinting read noise: nothing can be picked there. */
   private readsPixels: boolean | null = null;
   private readonly sun = new DirectionalLight('#fff0d9', 2.6);
@@ -50,7 +62,7 @@ export class CityView {
   private readonly marker: LineSegments;
   private readonly markerFill: Mesh;
   private frame = 0;
-  private flight: {from: [Vector3, Vector3]; to: [Vector3, Vector3]; start: number; time: number} | null = null;
+  private flight: {target: [Vector3, Vector3]; place: [Place, Place]; start: number; time: number} | null = null;
   private readonly sunDirection = away(1, kSun.azimuth, kSun.elevation);
   private shadowAt = {centre: new Vector3(Infinity, 0, 0), radius: 0};
 
@@ -61,7 +73,6 @@ export class CityView {
   constructor(private readonly canvas: HTMLCanvasElement, surface: Surface, buildings: number,
               private readonly size: Vector3, base: number) {
     this.renderer = new WebGLRenderer({canvas, antialias: true, alpha: true, powerPreference: 'high-performance'});
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
     this.renderer.shadowMap.autoUpdate = false;
@@ -83,7 +94,7 @@ export class CityView {
     this.surface.frustumCulled = false;
     const picked = new Mesh(geometry, this.picker);
     picked.frustumCulled = false;
-    this.pickScene.add(picked);
+    this.pickScene.add(picked, this.cutView.picked);
 
     // What the block of soil stands on: nothing but its shadow is seen.
     this.table = new Mesh(new CircleGeometry(6 * radius, 64), new ShadowMaterial({opacity: 0.16}));
@@ -91,8 +102,10 @@ export class CityView {
     this.table.receiveShadow = true;
 
     const markerColour = linear(kAccent);
-    this.marker = new LineSegments(new BufferGeometry(), new LineBasicMaterial({color: markerColour, depthTest: false}));
-    this.markerFill = new Mesh(new BufferGeometry(), new MeshBasicMaterial(
+    const corners = new BufferAttribute(new Float32Array(12), 3);
+    const ofCorners = (index: number[]): BufferGeometry => new BufferGeometry().setAttribute('position', corners).setIndex(index);
+    this.marker = new LineSegments(ofCorners([0, 1, 1, 2, 2, 0, 0, 3, 1, 3, 2, 3]), new LineBasicMaterial({color: markerColour, depthTest: false}));
+    this.markerFill = new Mesh(ofCorners([0, 1, 2, 0, 1, 3, 1, 2, 3, 2, 0, 3]), new MeshBasicMaterial(
         {color: markerColour, depthTest: false, transparent: true, opacity: 0.45, side: DoubleSide}));
     for (const object of [this.marker, this.markerFill]) {
       object.visible = object.frustumCulled = false;
@@ -117,12 +130,20 @@ export class CityView {
     this.controls.minDistance = 2;
     this.controls.maxDistance = 8 * radius;
     this.controls.addEventListener('change', () => this.invalidate());
-    this.controls.addEventListener('start', () => { this.flight = null; });
+    this.controls.addEventListener('start', () => {
+      this.flight = null;
+      this.onMove();
+    });
     canvas.addEventListener('webglcontextrestored', () => {
       this.updateShadow(true);
       this.invalidate();
     });
-    new ResizeObserver(() => this.resize()).observe(canvas.parentElement!);
+    // Drawn at once: a new size clears the canvas. Windows tell of another pixel ratio.
+    const redraw = (): void => {
+      if (this.resize()) this.draw(performance.now());
+    };
+    new ResizeObserver(redraw).observe(canvas.parentElement!);
+    window.addEventListener('resize', redraw);
     this.resize();
     this.home(false);
   }
@@ -156,28 +177,33 @@ export class CityView {
 
   /** Looks at a place from a distance: from an azimuth (degrees clockwise from north) and elevation. */
   flyTo(target: Vector3, distance: number, azimuth: number | null, elevation: number, animated = true): void {
-    const offset = this.offset();
-    const from = azimuth ?? Math.atan2(offset.x, offset.y) * 180 / Math.PI;
-    const position = target.clone().add(away(distance, from, elevation));
+    const from = azimuth ?? this.place().azimuth;
     if (!animated || window.matchMedia('(prefers-reduced-motion: reduce)').matches) {
       this.controls.target.copy(target);
-      this.camera.position.copy(position);
+      this.camera.position.copy(target).add(away(distance, from, elevation));
       this.controls.update();
     } else {
-      this.flight = {from: [this.controls.target.clone(), this.camera.position.clone()], to: [target, position],
+      this.flight = {target: [this.controls.target.clone(), target], place: [this.place(), {distance, azimuth: nearestTurn(this.place().azimuth, from), elevation}],
                      start: performance.now(), time: 900};
     }
+    this.onMove();
     this.invalidate();
   }
 
   lookNorth(): void {
-    const offset = this.offset();
-    this.flyTo(this.controls.target.clone(), offset.length(), 180, Math.asin(offset.z / offset.length()) * 180 / Math.PI);
+    const {distance, elevation} = this.place();
+    this.flyTo(this.controls.target.clone(), distance, 180, elevation);
   }
 
   /** From what is looked at to the camera. */
   offset(): Vector3 { return this.camera.position.clone().sub(this.controls.target); }
   distance(): number { return this.offset().length(); }
+
+  /** Of the camera, seen from what is looked at. */
+  private place(): Place {
+    const {x, y, z} = this.offset(), distance = this.distance();
+    return {distance, azimuth: Math.atan2(x, y) * 180 / Math.PI, elevation: Math.asin(z / distance) * 180 / Math.PI};
+  }
 
   setTheme(theme: Theme): void {
     const dark = theme === 'dark';
@@ -260,13 +286,9 @@ export class CityView {
   setMarker(corners: readonly number[] | null): void {
     this.marker.visible = this.markerFill.visible = corners !== null;
     if (corners !== null) {
-      const points = new BufferAttribute(Float32Array.from(corners), 3);
-      const geometries = [this.marker.geometry, this.markerFill.geometry];
-      const indices = [[0, 1, 1, 2, 2, 0, 0, 3, 1, 3, 2, 3], [0, 1, 2, 0, 1, 3, 1, 2, 3, 2, 0, 3]];
-      geometries.forEach((geometry, i) => {
-        geometry.setAttribute('position', points);
-        geometry.setIndex(indices[i]);
-      });
+      const points = this.marker.geometry.getAttribute('position') as BufferAttribute;
+      points.copyArray(corners);
+      points.needsUpdate = true;
     }
     this.invalidate();
   }
@@ -308,7 +330,7 @@ export class CityView {
     this.readsPixels ??= this.testPixels();
     if (!this.readsPixels) return -1;
     const box = this.canvas.getBoundingClientRect();
-    this.picker.uniforms['mode']!.value = mode;
+    for (const material of [this.picker, this.cutView.picker]) material.uniforms['mode']!.value = mode;
     this.camera.setViewOffset(box.width, box.height, Math.floor(clientX - box.left), Math.floor(clientY - box.top), 1, 1);
     this.renderer.setRenderTarget(this.pickTarget);
     this.renderer.render(this.pickScene, this.camera);
@@ -334,17 +356,17 @@ export class CityView {
     const offset = this.offset();
     this.camera.position.copy(this.controls.target).addScaledVector(offset, factor);
     this.controls.update();
+    this.onMove();
     this.invalidate();
   }
 
   /** Degrees. */
   turn(azimuth: number, elevation: number): void {
-    const offset = this.offset();
-    const distance = offset.length();
-    const from = Math.atan2(offset.x, offset.y) * 180 / Math.PI, up = Math.asin(offset.z / distance) * 180 / Math.PI;
+    const from = this.place();
     this.camera.position.copy(this.controls.target)
-        .add(away(distance, from + azimuth, Math.min(88, Math.max(2, up + elevation))));
+        .add(away(from.distance, from.azimuth + azimuth, Math.min(88, Math.max(2, from.elevation + elevation))));
     this.controls.update();
+    this.onMove();
     this.invalidate();
   }
 
@@ -352,22 +374,27 @@ export class CityView {
     if (this.frame === 0) this.frame = requestAnimationFrame((now) => this.draw(now));
   }
 
-  private resize(): void {
+  /** Returns whether there is anything to draw on. */
+  private resize(): boolean {
     const box = this.canvas.parentElement!.getBoundingClientRect();
-    if (box.width === 0 || box.height === 0) return;
+    if (box.width === 0 || box.height === 0) return false;
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.setSize(box.width, box.height, false);
     this.camera.aspect = box.width / box.height;
     this.camera.updateProjectionMatrix();
-    this.invalidate();
+    return true;
   }
 
   private draw(now: number): void {
+    cancelAnimationFrame(this.frame);
     this.frame = 0;
     if (this.flight !== null) {
-      const {from, to, start, time} = this.flight;
-      const t = Math.min(1, (now - start) / time), s = t * t * (3 - 2 * t);
-      this.controls.target.lerpVectors(from[0], to[0], s);
-      this.camera.position.lerpVectors(from[1], to[1], s);
+      const {target, place: [from, to], start, time} = this.flight;
+      const t = Math.min(1, Math.max(0, now - start) / time), s = t * t * (3 - 2 * t);
+      const between = (a: number, b: number): number => a + s * (b - a);
+      this.controls.target.lerpVectors(...target, s);
+      this.camera.position.copy(this.controls.target)
+          .add(away(between(from.distance, to.distance), between(from.azimuth, to.azimuth), between(from.elevation, to.elevation)));
       if (t === 1) this.flight = null;
       this.invalidate();
     }

@@ -54,6 +54,8 @@ export interface FlagStyle {
 /** Most serious first: a building has the colour of the first one that it has. */
 export const kFlagStyles: readonly FlagStyle[] = [
   {name: 'no_roof_points', colour: rgb('#c0392f'), label: 'no roof points'},
+  {name: 'default_height', colour: rgb('#d4568b'), label: 'default height'},
+  {name: 'roof_from_floors', colour: rgb('#c98a5e'), label: 'roof from floors'},
   {name: 'roof_from_attribute', colour: rgb('#e07b39'), label: 'roof from attribute'},
   {name: 'minimum_height', colour: rgb('#e5b83b'), label: 'minimum height'},
   {name: 'ground_from_dtm', colour: rgb('#8f9c3a'), label: 'ground from terrain'},

@@ -4,8 +4,10 @@ import {
   BufferAttribute, BufferGeometry, Color, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh,
   MeshBasicMaterial, MeshLambertMaterial, SRGBColorSpace,
 } from 'three';
-import {type CutCells, type CutSolids, kPrism, Solid} from '../mesh/section.js';
+import {kBuildingBit} from '../mesh/surface.js';
+import {type CutCells, type CutSolids, kPrism} from '../mesh/section.js';
 import {kBestAngle, kPrismColour, kQualityRamp, kSolidColours, type Rgb} from './colours.js';
+import {featureAttribute, pickMaterial} from './surface_material.js';
 
 function coloured(position: Float32Array, colourOf: (vertex: number) => Rgb): BufferGeometry {
   const geometry = new BufferGeometry();
@@ -35,6 +37,9 @@ function meanLength(lines: Float32Array): number {
 /** Holds one cut at a time. */
 export class CutView {
   readonly group = new Group();
+  /** The same for picks. */
+  readonly picked = new Group();
+  readonly picker = pickMaterial(DoubleSide);
   private readonly lineMaterial = new LineBasicMaterial({transparent: true, opacity: 0.45});
   private readonly flat = new MeshBasicMaterial({vertexColors: true, side: DoubleSide, polygonOffset: true,
                                                  polygonOffsetFactor: 1, polygonOffsetUnits: 1});
@@ -62,12 +67,20 @@ export class CutView {
       const lines = new BufferGeometry();
       lines.setAttribute('position', new BufferAttribute(cells.lines, 3));
       this.group.add(mesh, new LineSegments(lines, this.lineMaterial));
+      this.pick(geometry, new Int32Array(cells.angle.length).fill(-1));
     }
-    if (solids !== null)
-      this.group.add(new Mesh(
-          coloured(solids.position, (v) => solids.solid[v] === Solid.soil ? kSolidColours.soil : kSolidColours.building),
-          this.flat));
-    for (const object of this.group.children) object.frustumCulled = false;
+    if (solids !== null) {
+      const geometry = coloured(solids.position, (v) => solids.building[v] < 0 ? kSolidColours.soil : kSolidColours.building);
+      this.group.add(new Mesh(geometry, this.flat));
+      this.pick(geometry, solids.building);
+    }
+    for (const object of [...this.group.children, ...this.picked.children]) object.frustumCulled = false;
+  }
+
+  /** `building`: per vertex; -1: none. */
+  private pick(geometry: BufferGeometry, building: Int32Array): void {
+    geometry.setAttribute('feature', featureAttribute(building.map((b) => (b + 1) << kBuildingBit)));
+    this.picked.add(new Mesh(geometry, this.picker));
   }
 
   setLineColour(colour: Color): void { this.lineMaterial.color.copy(colour); }
@@ -77,5 +90,6 @@ export class CutView {
       (object as Mesh).geometry.dispose();
       this.group.remove(object);
     }
+    this.picked.clear();
   }
 }

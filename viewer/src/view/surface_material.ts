@@ -3,7 +3,7 @@
 import {
   DataTexture, IntType, Int32BufferAttribute, InterleavedBuffer, InterleavedBufferAttribute, BufferAttribute,
   BufferGeometry, LinearFilter, MeshLambertMaterial, NearestFilter, RGFormat, Sphere, SRGBColorSpace,
-  UnsignedByteType, Vector2, Vector3, Color, ShaderMaterial, type Texture,
+  UnsignedByteType, Vector2, Vector3, Color, ShaderMaterial, type Side, type Texture,
 } from 'three';
 import {kBuildingBit, kOutlineBit, type Surface} from '../mesh/surface.js';
 import type {SkyMap} from '../mesh/sky.js';
@@ -14,15 +14,20 @@ export const enum Colouring { byClass, byBuilding, byAngle }
 
 const kRowTexels = 1024;
 
+/** Per vertex: as Surface has it. */
+export function featureAttribute(feature: Int32Array): BufferAttribute {
+  const attribute = new Int32BufferAttribute(feature, 1);
+  attribute.gpuType = IntType;
+  return attribute;
+}
+
 export function surfaceGeometry(surface: Surface, radius: number): BufferGeometry {
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new BufferAttribute(surface.position, 3));
   const bytes = new InterleavedBuffer(surface.normal, 4);
   geometry.setAttribute('normal', new InterleavedBufferAttribute(bytes, 3, 0, true));
   geometry.setAttribute('lift', new InterleavedBufferAttribute(bytes, 1, 3, true));
-  const feature = new Int32BufferAttribute(surface.feature, 1);
-  feature.gpuType = IntType;
-  geometry.setAttribute('feature', feature);
+  geometry.setAttribute('feature', featureAttribute(surface.feature));
   geometry.setAttribute('angle', new BufferAttribute(new Uint8Array(surface.feature.length).fill(255), 1, true));
   geometry.boundingSphere = new Sphere(new Vector3(), radius);
   return geometry;
@@ -159,9 +164,9 @@ export const enum PickMode { building, depth }
 /** What regionBuilding has plus kPickOffset, or depth in 2^24 parts. */
 export const kPickOffset = 16;
 
-export function pickMaterial(): ShaderMaterial {
+export function pickMaterial(side: Side): ShaderMaterial {
   return new ShaderMaterial({
-    clipping: true,
+    clipping: true, side,
     uniforms: {mode: {value: PickMode.building}},
     vertexShader: /* glsl */ `
       #include <clipping_planes_pars_vertex>
