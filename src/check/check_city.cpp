@@ -204,8 +204,8 @@ CityCheck check_city(const CityModel& city, std::optional<double> min_distance) 
     check_part_lines(city, *min_distance, check);
     if (!is_clear(check.min_clearance, *min_distance))
       note_violation(check.violations, "clearance below the threshold", [&] {
-        return fmt::format("least clearance {:.6f} m, {} m asked", check.min_clearance,
-                           *min_distance);
+        return fmt::format("least clearance {:.6f} m, {} m asked: {}", check.min_clearance,
+                           *min_distance, check.closest);
       });
     if (!city.domain.empty()) check_domain_distance(city, *min_distance, check);
   }

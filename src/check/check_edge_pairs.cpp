@@ -85,6 +85,8 @@ std::vector<Edge> all_edges(const CityModel& city) {
 
 struct Found {
   double min_clearance = kInfinity;
+  const Edge* closest = nullptr;  ///< One of the pair that has it; null if no pair is as near.
+  std::size_t other = 0;          ///< The building of the other.
   std::vector<Violation> violations;
 };
 
@@ -116,7 +118,11 @@ class PairChecker {
           return part;
         },
         [](Found sum, const Found& part) {
-          sum.min_clearance = std::min(sum.min_clearance, part.min_clearance);
+          if (part.min_clearance < sum.min_clearance) {
+            sum.min_clearance = part.min_clearance;
+            sum.closest = part.closest;
+            sum.other = part.other;
+          }
           add_violations(sum.violations, part.violations);
           return sum;
         });
@@ -153,7 +159,11 @@ class PairChecker {
                            city_.buildings[e.building].id, city_.buildings[f.building].id,
                            e.a.x + city_.origin.x, e.a.y + city_.origin.y);
       });
-    found.min_clearance = std::min(found.min_clearance, clearance_of(e, f));
+    if (const double least = clearance_of(e, f); least < found.min_clearance) {
+      found.min_clearance = least;
+      found.closest = &e;
+      found.other = f.building;
+    }
   }
 
   const CityModel& city_;
@@ -167,8 +177,14 @@ class PairChecker {
 }  // namespace
 
 void check_edge_pairs(const CityModel& city, bool may_touch, CityCheck& check) {
-  const Found found = PairChecker(city, may_touch).check();
+  const PairChecker pairs(city, may_touch);
+  const Found found = pairs.check();
   check.min_clearance = found.min_clearance;
+  if (found.closest != nullptr)
+    check.closest =
+        fmt::format("{} and {} at ({:.3f}, {:.3f})", city.buildings[found.closest->building].id,
+                    city.buildings[found.other].id, found.closest->a.x + city.origin.x,
+                    found.closest->a.y + city.origin.y);
   add_violations(check.violations, found.violations);
 }
 

@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "building_name.h"
 #include "core/disjoint_sets.h"
 #include "core/infinity.h"
 #include "core/units.h"
@@ -434,7 +435,7 @@ HeightsCheck HeightChecker::check() {
     ++result_.roof_vertices;
     if (!is_known(building))
       note_violation(result_.violations, "roofs of buildings that the city model lacks",
-                     [&, b = building] { return fmt::format("building {}", b); });
+                     [&, b = building] { return building_name(city_, b); });
   }
   for (std::size_t f = 0; f < surface_.triangles.size(); ++f)
     if (surface_.patch_of(f).kind == PatchKind::kRoof && is_known(surface_.building[f]))

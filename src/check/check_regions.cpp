@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "building_name.h"
 #include "footprint_grid.h"
 #include "violations.h"
 
@@ -49,7 +50,9 @@ std::vector<Violation> check_regions(const TetMesh& mesh, std::array<double, 3> 
       if (is_high && mesh.region[c] == kNoBuilding.value()) continue;
       if (mesh.region[c] != expected)
         note_violation(violations, "cells with the wrong region", [&] {
-          return fmt::format("cell {} says {}, it stands over {}", c, mesh.region[c], expected);
+          return fmt::format("cell {} says {}, it stands over {}", c,
+                             building_name(city, BuildingIndex(mesh.region[c])),
+                             building_name(city, expected));
         });
     }
   };

@@ -77,16 +77,6 @@ bool is_city_surface(const SurfaceMesh& surface) {
   });
 }
 
-CheckedFile check_one_surface(const fs::path& path, const SurfaceMesh& surface) {
-  CheckedFile file =
-      describe(path.filename().string(),
-               is_city_surface(surface) ? check_city_surface(surface) : check_surface(surface));
-  file.not_checked = {
-      "the volume behind it, footprints in the mesh, heights and the report (check "
-      "the folder that has the other results)"};
-  return file;
-}
-
 /// Of a file of the folder, whose name says which part it is.
 template <typename Mesh>
 Mesh read_xdmf_as(const fs::path& path) {
@@ -94,13 +84,6 @@ Mesh read_xdmf_as(const fs::path& path) {
   if (auto* wanted = std::get_if<Mesh>(&mesh)) return std::move(*wanted);
   throw Error(ErrorKind::kInput,
               path.string() + ": holds another part of the mesh than its name says");
-}
-
-CheckedFile check_one_xdmf(const fs::path& path, const Progress& progress) {
-  const auto mesh = read_xdmf(path);
-  if (const auto* volume = std::get_if<TetMesh>(&mesh))
-    return check_one_volume(path, *volume, progress);
-  return check_one_surface(path, std::get<SurfaceMesh>(mesh));
 }
 
 /// The clearance that the model must have: what `min_distance` says or else the report, of the raw
@@ -163,8 +146,9 @@ void check_heights_of(const Raster& terrain, const TetMesh& mesh, const SurfaceM
   const double min_wall = report ? report->report.config.min_wall_height : Config{}.min_wall_height;
   const Config config = report ? report->report.config : Config{};
   const bool whole = mesh.cells.empty();
-  const int count =
-      whole && config.boundary_layers == 0 ? kLayersBelowPrisms : config.boundary_layers;
+  const int count = config.boundary_layers == 0 && (whole || config.cells == Cells::kPrisms)
+                        ? kLayersBelowPrisms
+                        : config.boundary_layers;
   const LayersCheck layers = check_prism_layers(mesh, surface, config.first_layer, count);
   const HeightsCheck check =
       check_heights(surface, shift, terrain, city, min_wall,
@@ -175,8 +159,10 @@ void check_heights_of(const Raster& terrain, const TetMesh& mesh, const SurfaceM
                     "{:.2f} % of the ground",
                     layers.greatest_growth, config.first_layer, 100 * layers.share_as_asked));
     if (report && report->has_mesh()) {
-      compare("growth of layers", layers.greatest_growth, 0, config.layer_growth,
-              config.layer_growth + 1e-6, file);
+      if (layers.greatest_growth > config.layer_growth + 1e-6)
+        note_violation(file.violations, "layers that grow faster than asked", [&] {
+          return fmt::format("{:.6f}, {} asked", layers.greatest_growth, config.layer_growth);
+        });
       const double share = layers.share_as_asked;
       compare("share of lowest layers as high as asked",
               report->report.volume_mesh->prisms.share_as_asked, share - 1e-6, share, share + 1e-6,
@@ -265,16 +251,50 @@ CheckedFile check_layers(const fs::path& folder, const ReportedRun& report) {
   return file;
 }
 
+/// That of the model in the coordinates of the meshes, if it is no box; `mesh` may have been given
+/// another.
+std::optional<Domain> domain_of(const CityModel& city, const std::optional<ReportedRun>& report) {
+  const bool is_other =
+      report && !report->city_model.empty() && !report->report.config.bounds.empty();
+  if (city.domain.is_box() || is_other) return std::nullopt;
+  return report && report->is_absolute() ? city.domain.moved(city.origin) : city.domain;
+}
+
+/// Its domain is that of the model beside it, or that it was made from, else a box.
+CheckedFile check_one_surface(const fs::path& path, const SurfaceMesh& surface) {
+  const fs::path folder = path.parent_path();
+  const std::optional<ReportedRun> report = read_reported_run(folder);
+  std::optional<Domain> domain;
+  if (const fs::path city = find_sources(folder, report).city; !city.empty())
+    domain = domain_of(read_city(city), report);
+  const Domain* const given = domain ? &*domain : nullptr;
+  CheckedFile file = describe(path.filename().string(), is_city_surface(surface)
+                                                            ? check_city_surface(surface, given)
+                                                            : check_surface(surface, given));
+  file.not_checked = {
+      "the volume behind it, footprints in the mesh, heights and the report (check "
+      "the folder that has the other results)"};
+  return file;
+}
+
+CheckedFile check_one_xdmf(const fs::path& path, const Progress& progress) {
+  const auto mesh = read_xdmf(path);
+  if (const auto* volume = std::get_if<TetMesh>(&mesh))
+    return check_one_volume(path, *volume, progress);
+  return check_one_surface(path, std::get<SurfaceMesh>(mesh));
+}
+
 /// The volume, and each of the boundaries, which are all to be that of the volume, against it.
 std::vector<CheckedFile> check_volume_and_boundaries(const NamedVolume& volume,
                                                      const std::vector<NamedSurface>& boundaries,
+                                                     const std::optional<Domain>& domain,
                                                      const std::optional<ReportedRun>& report,
                                                      const Progress& progress) {
   const VolumeCheck volume_check = check_volume(volume.mesh, progress);
   std::vector<CheckedFile> files{describe(volume.name, volume_check)};
   compare_origin(volume.origin, report, files.back());
   for (const NamedSurface& boundary : boundaries) {
-    const SurfaceCheck surface_check = check_surface(boundary.mesh);
+    const SurfaceCheck surface_check = check_surface(boundary.mesh, domain ? &*domain : nullptr);
     files.push_back(describe(boundary.name, surface_check));
     compare_origin(boundary.origin, report, files.back());
     compare_domain(surface_check, report, files.back());
@@ -296,7 +316,8 @@ void add_mesh(const NamedVolume& volume, const std::vector<NamedSurface>& bounda
               const Sources& sources, const CityModel& city,
               const std::optional<ReportedRun>& report, const Progress& progress,
               std::vector<CheckedFile>& files) {
-  for (CheckedFile& file : check_volume_and_boundaries(volume, boundaries, report, progress))
+  for (CheckedFile& file :
+       check_volume_and_boundaries(volume, boundaries, domain_of(city, report), report, progress))
     files.push_back(std::move(file));
   if (sources.city.empty()) {
     files.back().not_checked.push_back(
@@ -326,10 +347,8 @@ void add_surfaces(const fs::path& folder, const std::vector<NamedSurface>& bound
   };
   if (const fs::path path = folder / "surface.vtp"; is_there(path)) {
     const SurfaceMesh surface = read_vtp(path);
-    const bool is_absolute = report && report->is_absolute();
-    const Domain domain = is_absolute ? city.domain.moved(city.origin) : city.domain;
-    CheckedFile file =
-        describe("", check_city_surface(surface, domain.is_box() ? nullptr : &domain));
+    const std::optional<Domain> domain = domain_of(city, report);
+    CheckedFile file = describe("", check_city_surface(surface, domain ? &*domain : nullptr));
     compare_origin(read_vtk_origin(path), report, file);
     add("surface.vtp", std::move(file),
         [&](const NamedSurface& boundary) { return check_same_surface(boundary.mesh, surface); });

@@ -44,18 +44,21 @@ Box bounding_box(const SurfaceMesh& surface) {
   return box;
 }
 
+/// Whether a point lies on a side of the domain.
+bool is_on(const Domain& domain, std::size_t side, const Vector3& p) {
+  const double most_off = domain.is_box() ? 0 : 1e-6;  // points of a slanting side are rounded
+  return std::abs(domain.distance_to_side(side, {p[0], p[1]})) <= most_off;
+}
+
 /// Whether a face with this normal lies on the side of the domain that the patch is, facing out.
 bool is_on_side(const std::array<Vector3, 3>& p, const Vector3& normal, Patch patch,
                 const Domain& domain) {
   const std::vector<Domain::Side> sides = domain.sides();
   for (std::size_t i = 0; i < sides.size(); ++i) {
-    if (sides[i].patch != patch) continue;
-    const auto is_off = [&](const Vector3& corner) {
-      return domain.distance_to_side(i, {corner[0], corner[1]}) != 0;
-    };
     const auto& [from, to, own] = sides[i];
-    return std::none_of(p.begin(), p.end(), is_off) &&
-           normal[0] * (to.y - from.y) - normal[1] * (to.x - from.x) > 0;
+    if (own == patch && normal[0] * (to.y - from.y) - normal[1] * (to.x - from.x) > 0 &&
+        std::all_of(p.begin(), p.end(), [&](const Vector3& q) { return is_on(domain, i, q); }))
+      return true;
   }
   return false;
 }
@@ -64,14 +67,18 @@ bool is_on_side(const std::array<Vector3, 3>& p, const Vector3& normal, Patch pa
 std::string tag_violation(const std::array<Vector3, 3>& p, const Vector3& normal,
                           const PatchInfo& patch, BuildingIndex building, const Domain& domain) {
   const double steepness = std::hypot(normal[0], normal[1]);
-  if (patch.kind == PatchKind::kOther) return {};
+  const std::vector<PatchInfo>& own = domain.own_patches();
+  const bool is_own_side = std::any_of(
+      own.begin(), own.end(), [&](const PatchInfo& side) { return side.patch == patch.patch; });
+  const PatchKind kind = is_own_side ? PatchKind::kSide : patch.kind;
+  if (kind == PatchKind::kOther) return {};
   if (patch.of_building() != (building >= 0))
     return patch.of_building() ? "roof or wall faces without building"
                                : "faces with a building that are neither roof nor wall";
   const auto unless = [&](bool holds, fmt::format_string<const std::string&> what) {
     return holds ? std::string() : fmt::format(what, patch.name);
   };
-  switch (patch.kind) {
+  switch (kind) {
     case PatchKind::kGround:
     case PatchKind::kRoof:
       return unless(normal[2] < 0, "{} faces that do not face down");
@@ -97,12 +104,8 @@ void check_edges(const SurfaceMesh& surface, Rim rim, const Domain& domain, Surf
     if (rim == Rim::kNone) return false;
     const auto& a = surface.points[static_cast<std::size_t>(low)];
     const auto& b = surface.points[static_cast<std::size_t>(use.high)];
-    const auto is_on = [&](std::size_t side, const Vector3& p) {
-      const double most_off = domain.is_box() ? 0 : 1e-6;  // points of a slanting side are rounded
-      return std::abs(domain.distance_to_side(side, {p[0], p[1]})) <= most_off;
-    };
     for (std::size_t i = 0; i < sides; ++i)
-      if (is_on(i, a) && is_on(i, b)) return true;
+      if (is_on(domain, i, a) && is_on(domain, i, b)) return true;
     return false;
   };
   const auto of_building = [&](const EdgeUse& use) {
@@ -197,7 +200,9 @@ SurfaceCheck check(const SurfaceMesh& surface, Rim rim, const Domain* given = nu
 
 }  // namespace
 
-SurfaceCheck check_surface(const SurfaceMesh& surface) { return check(surface, Rim::kNone); }
+SurfaceCheck check_surface(const SurfaceMesh& surface, const Domain* domain) {
+  return check(surface, Rim::kNone, domain);
+}
 
 SurfaceCheck check_city_surface(const SurfaceMesh& surface, const Domain* domain) {
   SurfaceMesh turned = surface;

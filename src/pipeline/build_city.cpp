@@ -229,8 +229,11 @@ Raster sampled_terrain(const BuildCityOptions& options, const CityInput& input) 
 Raster make_terrain(const BuildCityOptions& options, const CityInput& input, StepClock& clock,
                     BuiltCity& result) {
   if (input.terrain)
-    return clock.run("1.3", "terrain",
-                     [&](const Progress&) { return sampled_terrain(options, input); });
+    return clock.run("1.3", "terrain", [&](const Progress&) {
+      Raster given = sampled_terrain(options, input);
+      warn_off_terrain(input, given, result.warnings);
+      return given;
+    });
   DtmReport dtm_report;
   Raster dtm = clock.run("1.3", "terrain", [&](const Progress& progress) {
     DtmOptions dtm_options = options.dtm;

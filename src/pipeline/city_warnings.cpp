@@ -14,6 +14,9 @@
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/city/heights.h"
 #include "tetropolis/geometry/polygon.h"
+#include "tetropolis/terrain/raster.h"
+
+#include "core/median.h"
 
 namespace tetropolis {
 
@@ -52,6 +55,29 @@ void warn_of_terrain(const DtmReport& dtm, bool filtered, std::vector<Warning>& 
              "{:.0f} % of the domain's squares of 20 m have no ground point; the terrain there is "
              "filled from around; check `bounds`, or {}",
              100 * dtm.void_share, advice)});
+}
+
+void warn_off_terrain(const CityInput& input, const Raster& terrain,
+                      std::vector<Warning>& warnings) {
+  constexpr double kMostOff = 3;  // metres, of the median
+  constexpr std::size_t kEnough = 10'000;
+  const PointCloud& cloud = input.points.points;
+  std::vector<std::size_t> ground;
+  for (std::size_t p = 0; p < cloud.size(); ++p)
+    if (cloud.classification[p] == kGround && input.domain.contains({cloud.x[p], cloud.y[p]}))
+      ground.push_back(p);
+  if (ground.empty()) return;
+  std::vector<double> above;
+  for (std::size_t i = 0; i < ground.size(); i += ground.size() / kEnough + 1)
+    above.push_back(cloud.z[ground[i]] - sample(terrain, {cloud.x[ground[i]], cloud.y[ground[i]]}));
+  const double off = median(above);
+  if (std::abs(off) <= kMostOff) return;
+  warnings.push_back(
+      {"points_off_terrain", std::ssize(ground),
+       fmt::format("{}: points of the ground lie {:.1f} m {} this terrain (median); are its "
+                   "heights of another vertical system or unit than those of {}?",
+                   input.terrain->source, std::abs(off), off > 0 ? "above" : "below",
+                   input.points.source)});
 }
 
 void warn_of_boundary(const CleanFeatures& clean, std::vector<Warning>& warnings) {

@@ -10,6 +10,7 @@
 #include "tetropolis/pipeline/build_city.h"
 #include "tetropolis/terrain/dtm.h"
 
+#include "city_input.h"
 #include "clean_features.h"
 
 namespace tetropolis {
@@ -19,6 +20,10 @@ namespace tetropolis {
 /// Of nodes without ground points nearby, and of voids. `filtered`: the ground was found by the
 /// filter.
 void warn_of_terrain(const DtmReport& dtm, bool filtered, std::vector<Warning>& warnings);
+
+/// Of a terrain that is far from the points of the ground, as of another vertical system or unit.
+void warn_off_terrain(const CityInput& input, const Raster& terrain,
+                      std::vector<Warning>& warnings);
 
 /// Of footprints dropped at the domain's boundary that are more than 5 % of the area in it.
 void warn_of_boundary(const CleanFeatures& clean, std::vector<Warning>& warnings);

@@ -48,14 +48,11 @@ double height_unit_metres(HeightUnit unit) {
   return unit == HeightUnit::kFoot ? kFoot : kSurveyFoot;
 }
 
-/// Folders that are data sets of their own, or of which a layer is named, stay folders.
+/// A folder of which a layer is named stays one.
 std::vector<std::filesystem::path> footprint_paths(const Config& config) {
   std::error_code error;
-  const auto is_data_set = [&](const std::string& path) {
-    return std::filesystem::is_directory(path, error) &&
-           (!config.layer.empty() || path.ends_with(".gdb") || path.ends_with(".gdb/"));
-  };
-  if (config.footprints.size() == 1 && is_data_set(config.footprints.front()))
+  if (config.footprints.size() == 1 && !config.layer.empty() &&
+      std::filesystem::is_directory(config.footprints.front(), error))
     return {config.footprints.front()};
   return expand_paths(config.footprints, kVectorFiles);
 }

@@ -411,6 +411,86 @@ TEST_F(Build, ATerrainThatIsNotTheCitysIsNamed) {
   }
 }
 
+TEST_F(Build, ATerrainThatIsNotThePointsIsNamed) {
+  Config config = city(SynthKind::kRandom, 10, 150, 4);
+  run_city(config);
+  const RasterInput terrain = read_raster(scratch / "out/dtm.tif", {0, 0});
+  config.dtm = {(scratch / "moved.tif").string()};
+  config.out = (scratch / "moved").string();
+  for (const double lift : {0.0, 2.5, 43.0, -43.0}) {
+    SCOPED_TRACE(lift);
+    Raster moved = terrain.raster;
+    for (double& z : moved.values) z += lift;
+    write_raster(config.dtm.front(), moved, {0, 0}, terrain.crs);
+    const std::vector<Warning> warnings = run_city(config).warnings;
+    const auto found = std::find_if(warnings.begin(), warnings.end(), [](const Warning& warning) {
+      return warning.code == "points_off_terrain";
+    });
+    ASSERT_EQ(found != warnings.end(), std::abs(lift) > 3);
+    if (found == warnings.end()) continue;
+    EXPECT_NE(found->message.find(lift > 0 ? "43.0 m below" : "43.0 m above"), std::string::npos)
+        << found->message;
+  }
+}
+
+/// Faces of two sides exchanged, counts as they were: the inlet is then partly at the outlet.
+TEST_F(Build, CheckKnowsTheSidesOfDomainsThatAreNoBoxes) {
+  for (const char* domain : {"auto", "cylinder"}) {
+    SCOPED_TRACE(domain);
+    Config config = city(SynthKind::kRandom, 6, 100, 4);
+    config.domain = domain;
+    config.wind_from = 240;
+    config.mesh_size = 20;
+    config.far_size = 40;
+    config.out = (scratch / domain).string();
+    run_build(config);
+    const std::filesystem::path out = config.out;
+    const auto violations_of = [](const std::filesystem::path& path) {
+      std::vector<std::string> what;
+      for (const CheckedFile& file : check_path(path, std::nullopt))
+        for (const Violation& violation : file.violations) what.push_back(violation.what);
+      return what;
+    };
+    EXPECT_EQ(violations_of(out), std::vector<std::string>{});
+    EXPECT_EQ(violations_of(out / "surface.vtp"), std::vector<std::string>{});
+    SurfaceMesh boundary = read_vtp(out / "boundary.vtp");
+    const Patch last = boundary.patch.back();  // the side with the greatest number
+    const auto from = std::find(boundary.patch.begin(), boundary.patch.end(), last);
+    const auto f = static_cast<std::size_t>(from - boundary.patch.begin());
+    ASSERT_GT(f, 0U);
+    ASSERT_EQ(boundary.patches.of(boundary.patch[f - 1]).kind, PatchKind::kOther);
+    std::swap(boundary.triangles[f - 1], boundary.triangles[f]);
+    write_vtp(out / "boundary.vtp", boundary, {});
+    const std::vector<std::string> found = violations_of(out / "boundary.vtp");
+    EXPECT_EQ(found,
+              (std::vector<std::string>{
+                  "faces of " + boundary.patches.of(boundary.patch[f - 1]).name + " off that side",
+                  "faces of " + boundary.patches.of(last).name + " off that side"}));
+  }
+}
+
+TEST_F(Build, PrismsThatGaveWayToTetsHoldWhatTheyPromise) {
+  Config config = city(SynthKind::kRandom, 6, 100, 4);
+  run_city(config);
+  RasterInput terrain = read_raster(scratch / "out/dtm.tif", {0, 0});
+  Raster& raster = terrain.raster;
+  for (std::int32_t j = 0; j < raster.ny; ++j)
+    for (std::int32_t i = 0; i < raster.nx; ++i)
+      raster.values[static_cast<std::size_t>(j * raster.nx + i)] = i * raster.step;
+  config.dtm = {(scratch / "slope.tif").string()};
+  write_raster(config.dtm.front(), raster, {0, 0}, terrain.crs);
+  config.points.clear();
+  config.cells = Cells::kPrisms;
+  config.mesh_size = 20;
+  config.out = (scratch / "steep").string();
+  const Report report = run_build(config);
+  ASSERT_TRUE(std::any_of(report.warnings.begin(), report.warnings.end(),
+                          [](const Warning& w) { return w.code == "too_steep_for_prisms"; }));
+  for (const CheckedFile& file : check_path(config.out, std::nullopt))
+    for (const Violation& violation : file.violations)
+      ADD_FAILURE() << file.name << ": " << violation.what << ": " << violation.first;
+}
+
 TEST_F(Build, CheckFindsATerrainOfAnotherSystem) {
   const Config config = city(SynthKind::kRandom, 10, 150, 4);
   run_city(config);

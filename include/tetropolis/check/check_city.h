@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "tetropolis/check/violation.h"
@@ -15,6 +16,7 @@ struct CityCheck {
   std::int64_t buildings = 0;
   std::int64_t dropped = 0;
   double min_clearance = 0;  ///< Between vertices, and vertices and edges, of all rings; metres.
+  std::string closest;       ///< Two buildings (or one twice) that have it, and where.
   /// Of vertices from the domain's boundary, metres, negative outside; infinity if not checked.
   double domain_distance = std::numeric_limits<double>::infinity();
   double area = 0;         ///< Of all footprints, square metres.

@@ -26,15 +26,15 @@ struct SurfaceCheck {
   std::vector<Violation> violations;
 };
 
-/// Finite, closed, oriented and edge-manifold; sides lie on the sides of the bounding box, walls
-/// are vertical, ground and roofs face down, buildings are named where they must be and nowhere
-/// else, and roof and wall faces that share an edge name the same one. Whether roofs are those of
-/// the city model, check_heights says.
-SurfaceCheck check_surface(const SurfaceMesh& surface);
+/// Finite, closed, oriented and edge-manifold; sides lie on the sides of the bounding box, or of
+/// `domain` (in the surface's coordinates) to a micrometre, which names them; walls are vertical,
+/// ground and roofs face down, buildings are named where they must be and nowhere else, and roof
+/// and wall faces that share an edge name the same one. Whether roofs are those of the city model,
+/// check_heights says.
+SurfaceCheck check_surface(const SurfaceMesh& surface, const Domain* domain = nullptr);
 
-/// The same of a city_surface(): ground and roofs face up, and edges with one face lie on the sides
-/// of the bounding box, or of `domain` (in the surface's coordinates) to a micrometre. Encloses
-/// nothing.
+/// The same of a city_surface(): ground and roofs face up, and edges with one face lie on the
+/// sides. Encloses nothing.
 SurfaceCheck check_city_surface(const SurfaceMesh& surface, const Domain* domain = nullptr);
 
 }  // namespace tetropolis

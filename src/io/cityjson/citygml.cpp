@@ -15,12 +15,12 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/io/crs/crs.h"
-#include "tetropolis/io/crs/metric_crs.h"
 
 #include "io/crs/gdal_support.h"
 #include "io/file/input_file.h"
 #include "io/file/positioned_file.h"
 #include "io/file/xml_reader.h"
+#include "model_metres.h"
 
 namespace tetropolis {
 
@@ -116,6 +116,7 @@ class GmlReader : public XmlReader {
       lod_ = name[3] - '0';
       is_roof_edge_ = name == "lod0RoofEdge";
     }
+    if (name == "Height") in_height_ = true;  // of CityGML 3.0
     if (is_surface(name)) semantics_ = name;
     if (name == "surfaceMember" && !semantics_.empty())
       if (const std::string_view link = attribute(attributes, "href"); link.starts_with('#'))
@@ -148,7 +149,7 @@ class GmlReader : public XmlReader {
     GmlObject& object = objects[open_.back()];
     if (in_polygon_ && (name == "posList" || name == "pos")) {
       add_positions();
-    } else if (name == "measuredHeight") {
+    } else if (name == "measuredHeight" || (name == "value" && in_height_)) {
       object.height = number_of(text_, object.height);
     } else if (name == "storeysAboveGround") {
       object.storeys = number_of(text_, object.storeys);
@@ -156,6 +157,8 @@ class GmlReader : public XmlReader {
                name == "PolygonPatch") {
       if (!(is_roof_edge_ && has_footprint(object))) object.polygons.push_back(std::move(polygon_));
       in_polygon_ = false;
+    } else if (name == "Height") {
+      in_height_ = false;
     } else if (is_surface(name)) {
       semantics_.clear();
     } else if (is_object(name)) {
@@ -210,6 +213,7 @@ class GmlReader : public XmlReader {
   int dimension_ = 3;
   bool is_roof_edge_ = false;
   bool in_polygon_ = false;
+  bool in_height_ = false;
   bool wants_text_ = false;
   std::string semantics_;
   std::string text_;
@@ -249,8 +253,8 @@ void for_each_point(std::vector<GmlObject>& objects, const Visit& visit) {
         for (Point3& p : ring) visit(p);
 }
 
-/// Puts coordinates into a system in metres, x first; "" if nobody says which.
-std::string settle_system(const fs::path& path, const std::string& srs,
+/// Puts coordinates into a system in metres, x first; no system if nobody says which.
+ModelMetres settle_system(const fs::path& path, const std::string& srs,
                           std::vector<GmlObject>& objects) {
   gdal::initialise();
   std::string crs = german_system(srs);
@@ -263,29 +267,17 @@ std::string settle_system(const fs::path& path, const std::string& srs,
                                    srs.substr(0, 80)));
     }
   }
-  const gdal::QuietErrors errors;
-  if (is_north_first(srs)) for_each_point(objects, [](Point3& p) { std::swap(p[0], p[1]); });
-  if (crs.empty()) return crs;
-  std::string target = crs;
-  if (is_geographic(crs)) {
-    Bounds2 box = Bounds2::nothing();
-    for_each_point(objects, [&](Point3& p) { box.extend(Point2{p[0], p[1]}); });
-    if (box.empty()) return crs;
-    target = utm_zone({(box.xmin + box.xmax) / 2, (box.ymin + box.ymax) / 2});
-  } else if (!is_metre(linear_unit_metres(crs))) {
-    target = in_metres(crs);
+  std::vector<Point3> points;
+  for_each_point(objects, [&](Point3& p) { points.push_back(p); });
+  {
+    const gdal::QuietErrors errors;
+    if (is_north_first(srs))
+      for (Point3& p : points) std::swap(p[0], p[1]);
   }
-  if (target == crs) return crs;
-  std::vector<Point2> plan;
-  for_each_point(objects, [&](Point3& p) { plan.push_back({p[0], p[1]}); });
-  plan = reproject(plan, crs, target);
+  ModelMetres metres = put_into_metres(path, srs, crs, points);
   std::size_t next = 0;
-  for_each_point(objects, [&](Point3& p) {
-    p[0] = plan[next].x;
-    p[1] = plan[next++].y;
-    if (!std::isfinite(p[0])) fail_input(path, "has coordinates that are none of its CRS");
-  });
-  return target;
+  for_each_point(objects, [&](Point3& p) { p = points[next++]; });
+  return metres;
 }
 
 class JsonWriter {
@@ -405,7 +397,7 @@ ModelDocument read_citygml(const fs::path& path) {
       if (const auto named = reader.semantics_of.find(polygon.id);
           polygon.semantics.empty() && !polygon.id.empty() && named != reader.semantics_of.end())
         polygon.semantics = named->second;
-  const std::string crs = settle_system(path, reader.srs, objects);
+  const ModelMetres metres = settle_system(path, reader.srs, objects);
   Bounds2 box = Bounds2::nothing();
   for_each_point(objects, [&](Point3& p) { box.extend(Point2{p[0], p[1]}); });
   std::array<double, 3> translate{};
@@ -434,7 +426,8 @@ ModelDocument read_citygml(const fs::path& path) {
                    {"transform", {{"scale", {kScale, kScale, kScale}}, {"translate", translate}}},
                    {"CityObjects", std::move(list)},
                    {"vertices", std::move(writer.vertices)}};
-  if (!crs.empty()) document.root["metadata"] = {{"referenceSystem", crs}};
+  document.height_unit = metres.height_unit;
+  if (!metres.crs.empty()) document.root["metadata"] = {{"referenceSystem", metres.crs}};
   return document;
 }
 

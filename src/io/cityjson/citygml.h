@@ -17,6 +17,7 @@ struct ModelDocument {
   Json root;
   std::vector<std::string> keys;
   std::vector<std::string> without_height;  ///< Outlines that state none: raised by 6 m.
+  double height_unit = 1;  ///< Metres per unit of the heights in the file; they are metres here.
 };
 
 /// By its first bytes.
@@ -25,9 +26,9 @@ bool is_citygml(const std::filesystem::path& path);
 /// Every Building and BuildingPart with its polygons of each level of detail and their semantics
 /// (GroundSurface, RoofSurface, WallSurface, ...); of outlines alone (lod0FootPrint, lod0RoofEdge)
 /// the prism of measuredHeight, else of storeysAboveGround times 3 m. Terrain, roads, plants,
-/// installations, rooms, openings and addresses are passed over. Coordinates in degrees become
-/// those of their zone of UTM. Errors, kInput with the path: not XML (with the line), no building,
-/// a system nobody knows.
+/// installations, rooms, openings and addresses are passed over. Coordinates in degrees or
+/// feet become metres (model_metres.h). Errors, kInput with the path: not XML (with the line), no
+/// building, a system nobody knows.
 ModelDocument read_citygml(const std::filesystem::path& path);
 
 }  // namespace tetropolis

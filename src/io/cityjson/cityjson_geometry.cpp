@@ -128,7 +128,8 @@ std::optional<double> level_of_detail(const Place& geometry) {
 
 }  // namespace
 
-CityFrame read_vertices(const Place& root) {
+CityFrame read_vertices(const Place& root,
+                        const std::function<void(std::vector<Point3>&)>& settle) {
   Point3 scale{1, 1, 1};
   Point3 translate{0, 0, 0};
   const bool transformed = root.has("transform");
@@ -150,12 +151,20 @@ CityFrame read_vertices(const Place& root) {
     if (!v.is_array() || v.size() != 3 || !v[0].is_number() || !v[1].is_number() ||
         !v[2].is_number())
       list.at(i).fail("is not an array of three numbers");
-    const Point3 point{v[0].get<double>(), v[1].get<double>(), v[2].get<double>()};
-    frame.vertices.push_back(point);
-    box.extend(Point2{translate[0] + point[0] * scale[0], translate[1] + point[1] * scale[1]});
+    frame.vertices.push_back({v[0].get<double>(), v[1].get<double>(), v[2].get<double>()});
   }
+  if (settle) {
+    for (Point3& v : frame.vertices)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        v[axis] = translate[axis] + v[axis] * scale[axis];
+    settle(frame.vertices);
+    scale = {1, 1, 1};
+    translate = {0, 0, 0};
+  }
+  for (const Point3& v : frame.vertices)
+    box.extend(Point2{translate[0] + v[0] * scale[0], translate[1] + v[1] * scale[1]});
   const Point2 origin{translate[0], translate[1]};
-  if (transformed && is_whole(origin.x) && is_whole(origin.y) &&
+  if (transformed && !settle && is_whole(origin.x) && is_whole(origin.y) &&
       (root.has(kExtensionMember) || is_near(origin, box)))
     frame.origin = origin;
   else if (!box.empty())

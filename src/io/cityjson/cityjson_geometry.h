@@ -1,6 +1,7 @@
 // Vertices and faces of CityJSON.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -18,8 +19,10 @@ struct CityFrame {
 };
 
 /// Of the document's `vertices` and `transform`, on the grid of coordinates. The origin is the
-/// translation if that is in whole metres, else at the lowest vertex.
-CityFrame read_vertices(const Place& root);
+/// translation if that is in whole metres, else at the lowest vertex. `settle` may change them, as
+/// coordinates of the file, before they are on the grid.
+CityFrame read_vertices(const Place& root,
+                        const std::function<void(std::vector<Point3>&)>& settle = {});
 
 /// Why an object has no faces, or its faces.
 struct ObjectFaces {

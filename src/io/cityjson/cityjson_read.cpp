@@ -29,6 +29,7 @@
 #include "io/file/json_place.h"
 #include "io/file/positioned_file.h"
 #include "is_prism.h"
+#include "model_metres.h"
 
 namespace tetropolis {
 
@@ -423,10 +424,8 @@ void check_type(const Place& root) {
 }
 
 std::string crs_at(const Place& system) {
-  const double unit = vertical_unit_metres(system.text());
-  if (unit < 0) system.fail("has depths instead of heights; convert them to heights in metres");
-  if (!is_metre(unit))
-    system.fail(fmt::format("has heights in units of {} m; convert the model to metres", unit));
+  if (vertical_unit_metres(system.text()) < 0)
+    system.fail("has depths instead of heights; convert them to heights in metres");
   try {
     return normalise_crs(system.text());
   } catch (const Error& error) {
@@ -495,11 +494,27 @@ void read_account(const Place& root, CityModel& model) {
         {dropped.at(i).at("source_id").text(), dropped.at(i).at("reason").text()});
 }
 
+/// As the file spells it; "" if it has none.
+std::string system_stated(const Place& root) {
+  const bool is_stated = root.has("metadata") && root.at("metadata").has("referenceSystem");
+  return is_stated ? root.at("metadata").at("referenceSystem").text() : "";
+}
+
 std::string read_crs(const Place& root) {
-  if (!root.has("metadata")) return "";
-  const Place metadata = root.at("metadata");
-  if (!metadata.has("referenceSystem")) return "";
-  return crs_at(metadata.at("referenceSystem"));
+  const std::string stated = system_stated(root);
+  if (stated.empty()) return "";
+  const Place system = root.at("metadata").at("referenceSystem");
+  if (const double unit = vertical_unit_metres(stated);
+      root.has(kExtensionMember) && unit > 0 && !is_metre(unit))
+    system.fail(fmt::format("has heights in units of {} m, but this program's are metres", unit));
+  return crs_at(system);
+}
+
+/// Ours are, and those without a system are taken to be.
+bool is_in_metres(const Place& root, const std::string& crs) {
+  return root.has(kExtensionMember) || crs.empty() ||
+         (!is_geographic(crs) && is_metre(linear_unit_metres(crs)) &&
+          is_metre(vertical_unit_metres(system_stated(root))));
 }
 
 /// Of our own files: whether the extent stated is that of the vertices, to a centimetre.
@@ -560,10 +575,17 @@ CityModel read_city(const fs::path& path, std::vector<Warning>* warnings, Broken
   check_type(root);
   // A file of ours that contradicts itself has been damaged, and who knows where else.
   const bool drop_broken = broken == BrokenObjects::kDrop && !root.has(kExtensionMember);
-  const CityFrame frame = read_vertices(root);
   CityModel model;
-  model.origin = frame.origin;
   model.crs = read_crs(root);
+  double height_unit = document.height_unit;
+  const auto into_metres = [&](std::vector<Point3>& vertices) {
+    const ModelMetres metres = put_into_metres(path, system_stated(root), model.crs, vertices);
+    model.crs = metres.crs;
+    height_unit = metres.height_unit;
+  };
+  const CityFrame frame =
+      is_in_metres(root, model.crs) ? read_vertices(root) : read_vertices(root, into_metres);
+  model.origin = frame.origin;
   read_account(root, model);
   const std::size_t dropped_before = model.dropped.size();
   const Place objects = root.at("CityObjects");
@@ -577,6 +599,12 @@ CityModel read_city(const fs::path& path, std::vector<Warning>* warnings, Broken
   }
   reader.finish();
   if (warnings != nullptr) {
+    if (!is_metre(height_unit))
+      warnings->push_back(
+          {"model_units", 1,
+           fmt::format("{}: heights are in units of {:.10g} m, as its coordinates or its vertical "
+                       "system are, and are converted to metres",
+                       path.string(), height_unit)});
     if (const auto& guessed = document.without_height; !guessed.empty())
       warnings->push_back(
           {"city_heights_unknown", static_cast<std::int64_t>(guessed.size()),

@@ -17,9 +17,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-void add(const fs::path& path, const FileKind& kind, std::vector<fs::path>& files) {
+void add(const fs::path& argument, const FileKind& kind, std::vector<fs::path>& files) {
   std::error_code error;
-  if (!fs::is_directory(path, error)) {
+  const fs::path path = argument.has_filename() ? argument : argument.parent_path();
+  // A folder whose name ends so is a file to those who made it (.gdb).
+  if (!fs::is_directory(path, error) || kind.has(path)) {
     files.push_back(path);
     return;
   }

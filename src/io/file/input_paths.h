@@ -22,9 +22,10 @@ struct FileKind {
   bool has(const std::filesystem::path& path) const;
 };
 
-/// Files as they are, folders as the files of the kind directly inside (but for hidden ones), and
-/// patterns. Sorted by absolute path; a file named twice occurs once. Throws Error(kInput) with the
-/// argument: no such file, pattern without a match, folder without any.
+/// Files as they are, folders as what has a name of the kind directly inside (but for hidden ones),
+/// unless they have one themselves, and patterns. Sorted by absolute path; a file named twice
+/// occurs once. Throws Error(kInput) with the argument: no such file, pattern without a match,
+/// folder without any.
 std::vector<std::filesystem::path> expand_paths(std::span<const std::string> arguments,
                                                 const FileKind& kind);
 

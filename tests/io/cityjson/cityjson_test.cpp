@@ -931,6 +931,68 @@ TEST(CityJson, TypesOfExtensionsAreNamed) {
       << unknown()->message;
 }
 
+/// kTwoParts holds boxes of 10 m x 5 m on ground at 1 m, 8 m high.
+TEST(CityJson, FeetAndDegreesBecomeMetres) {
+  const TemporaryFolder folder;
+  constexpr double kFoot = 1200.0 / 3937;  // the US survey foot
+  const double north = 1e-3 / 111'000;     // degrees of latitude in a millimetre
+  const double east = north / std::cos(35.6 * 3.14159265358979 / 180);
+  struct Case {
+    const char* code;
+    std::array<double, 3> scale, translate;
+    bool is_north_first;
+    const char* crs;
+    bool warns;
+  };
+  const double mm = 1e-3 / kFoot;
+  for (const Case& c :
+       {Case{"2263", {mm, mm, mm}, {983'000, 199'000, 0}, false, "EPSG:32118", true},
+        Case{"4326", {east, north, 0.001}, {139.7, 35.6, 0}, false, "EPSG:32654", false},
+        Case{"6697", {north, east, 0.001}, {35.6, 139.7, 0}, true, "EPSG:32654", false}}) {
+    SCOPED_TRACE(c.code);
+    Json file = Json::parse(kTwoParts);
+    file["metadata"]["referenceSystem"] =
+        std::string("https://www.opengis.net/def/crs/EPSG/0/") + c.code;
+    file["transform"] = {{"scale", c.scale}, {"translate", c.translate}};
+    if (c.is_north_first)
+      for (Json& v : file["vertices"]) std::swap(v[0], v[1]);
+    std::vector<Warning> warnings;
+    const CityModel model = read_city(write_text(folder / "a.json", file.dump()), &warnings);
+    EXPECT_EQ(model.crs, c.crs);
+    ASSERT_EQ(model.buildings.size(), 2U);
+    EXPECT_NEAR(area(model.buildings[0].footprint), 50, 0.5);
+    EXPECT_NEAR(model.buildings[0].h_ground, 1, 0.002);
+    EXPECT_NEAR(model.buildings[0].h_roof, 9, 0.002);
+    EXPECT_EQ(std::any_of(warnings.begin(), warnings.end(),
+                          [](const Warning& w) { return w.code == "model_units"; }),
+              c.warns);
+  }
+}
+
+/// A height of an outline in CityGML 2.0 and in 3.0.
+TEST(CityJson, HeightsOfCityGmlAreReadInBothVersions) {
+  const TemporaryFolder folder;
+  for (const char* height : {"<bldg:measuredHeight uom=\"m\">18.5</bldg:measuredHeight>",
+                             "<con:height><con:Height><con:value "
+                             "uom=\"m\">18.5</con:value></con:Height></con:height>"}) {
+    const std::string text =
+        std::string(
+            "<?xml version=\"1.0\"?><CityModel xmlns:gml=\"http://www.opengis.net/gml\" "
+            "xmlns:bldg=\"http://www.opengis.net/citygml/building/2.0\" "
+            "xmlns:con=\"http://www.opengis.net/citygml/construction/3.0\">"
+            "<gml:boundedBy><gml:Envelope srsName=\"EPSG:25832\"/></gml:boundedBy>"
+            "<bldg:Building gml:id=\"b\">") +
+        height +
+        "<bldg:lod0FootPrint><gml:MultiSurface><gml:surfaceMember><gml:Polygon><gml:exterior>"
+        "<gml:LinearRing><gml:posList>0 0 5 20 0 5 20 10 5 0 10 5 0 0 5</gml:posList>"
+        "</gml:LinearRing></gml:exterior></gml:Polygon></gml:surfaceMember></gml:MultiSurface>"
+        "</bldg:lod0FootPrint></bldg:Building></CityModel>";
+    const CityModel model = read_city(write_text(folder / "a.gml", text));
+    ASSERT_EQ(model.buildings.size(), 1U);
+    EXPECT_EQ(model.buildings[0].h_roof - model.buildings[0].h_ground, 18.5) << height;
+  }
+}
+
 TEST(CityJson, FilesInNumbersOfTheirReferenceSystemHaveAnOriginNearby) {
   const TemporaryFolder folder;
   Json file = Json::parse(kTwoParts);

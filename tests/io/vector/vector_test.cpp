@@ -22,6 +22,7 @@
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/crs/crs.h"
 
+#include "io/file/input_paths.h"
 #include "io/vector/merge_footprints.h"
 #include "io/vector/vector_geometry.h"
 #include "support/bytes.h"
@@ -915,6 +916,58 @@ TEST(Vector, GeodatabasesInArchives) {
   const FootprintsInput input = read_footprints(folder / "a.gdb.zip");
   EXPECT_EQ(input.features.size(), 1U);
   EXPECT_EQ(input.crs, "EPSG:28992");
+  // A folder that is one, or holds them.
+  fs::rename(folder / "houses.gdb", folder / "B.GDB");
+  ASSERT_EQ(shell("ogr2ogr -f OpenFileGDB more.gdb a.shp"), 0);
+  const std::string whole = folder.path().string(), one = whole + "/B.GDB/";
+  EXPECT_EQ(expand_paths(std::vector<std::string>{one}, kVectorFiles).size(), 1U);
+  EXPECT_EQ(expand_paths(std::vector<std::string>{one, whole + "/more.gdb"}, kVectorFiles).size(),
+            2U);
+  EXPECT_EQ(expand_paths(std::vector<std::string>{whole}, kVectorFiles).size(), 3U);
+  EXPECT_EQ(read_footprints(folder / "B.GDB").features.size(), 1U);
+}
+
+/// `out geom` of the Overpass API: members of relations have their places, and no way is a file's.
+TEST(Vector, OverpassMayGiveThePlacesOfMembersAlone) {
+  const TemporaryFolder folder;
+  const auto json = [](const char* role, int id, const std::vector<std::array<double, 2>>& places) {
+    std::string text = fmt::format(R"({{"type":"way","ref":{},"role":"{}","geometry":[)", id, role);
+    for (const auto& [lon, lat] : places)
+      text += fmt::format(R"({}{{"lat":{},"lon":{}}})", text.back() == '[' ? "" : ",", lat, lon);
+    return text + "]}";
+  };
+  const auto xml = [](const char* role, int id, const std::vector<std::array<double, 2>>& places) {
+    std::string text = fmt::format("<member type='way' ref='{}' role='{}'>", id, role);
+    for (const auto& [lon, lat] : places) text += fmt::format("<nd lat='{}' lon='{}'/>", lat, lon);
+    return text + "</member>";
+  };
+  const std::vector<std::array<double, 2>> west{{7.001, 50}, {7, 50}, {7, 50.001}, {7.001, 50.001}},
+      east{{7.001, 50.001}, {7.002, 50.001}, {7.002, 50}, {7.001, 50}},
+      yard{{7.0005, 50.0004}, {7.001, 50.0004}, {7.001, 50.0006}, {7.0005, 50.0004}};
+  write_text(folder / "a.json", R"({"elements":[{"type":"relation","id":5,"members":[)" +
+                                    json("outer", 1, west) + "," + json("outer", 2, east) + "," +
+                                    json("inner", 3, yard) +
+                                    R"(],"tags":{"type":"multipolygon","building":"yes"}}]})");
+  write_text(folder / "a.osm",
+             "<osm version='0.6'><relation id='5'>" + xml("outer", 1, west) +
+                 xml("outer", 2, east) + xml("inner", 3, yard) +
+                 "<tag k='type' v='multipolygon'/><tag k='building' v='yes'/></relation></osm>");
+  for (const char* name : {"a.json", "a.osm"}) {
+    const FootprintsInput input = read_footprints(folder / name);
+    ASSERT_EQ(input.features.size(), 1U) << name;
+    EXPECT_EQ(input.features[0].source_id, "relation/5");
+    EXPECT_EQ(input.features[0].polygon.outer.size(), 6U);
+    EXPECT_EQ(input.features[0].polygon.holes.size(), 1U);
+    EXPECT_TRUE(input.dropped.empty());
+  }
+  // A way that leaves the box of the query has no place there.
+  write_text(folder / "b.json",
+             R"({"elements":[{"type":"relation","id":5,"members":[{"type":"way","ref":1,)"
+             R"("role":"outer","geometry":[{"lat":50,"lon":7},null,{"lat":50,"lon":7.1}]}],)"
+             R"("tags":{"type":"multipolygon","building":"yes"}}]})");
+  const FootprintsInput cut = read_footprints(folder / "b.json");
+  EXPECT_TRUE(cut.features.empty());
+  EXPECT_EQ(cut.dropped.size(), 1U);
 }
 
 TEST(Vector, PackedFilesAreReadInPlace) {

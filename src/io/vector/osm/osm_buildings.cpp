@@ -94,18 +94,18 @@ class OsmSource {
     read_osm(path, OsmKind::kWay, [&](const OsmElement& way) {
       if (way.is_deleted || (!is_building(way) && !wanted.contains(way.id))) return;
       if (!seen_.insert({false, way.id}).second) return;  // merged extracts may hold one twice
-      index_[way.id] = ways_.size();
-      ways_.push_back(way);
-      if (way.nodes.empty())  // Overpass may give places alone
-        for (std::size_t k = 0; k < way.places.size(); ++k) {
-          const std::int64_t id = -(std::int64_t{1} << 40) - std::ssize(places_);
-          const bool closes = k > 0 && k + 1 == way.places.size() && way.places[k] == way.places[0];
-          ways_.back().nodes.push_back(closes ? ways_.back().nodes.front() : id);
-          places_[ways_.back().nodes.back()] = way.places[k];
-        }
-      else if (way.places.size() == way.nodes.size())
-        for (std::size_t k = 0; k < way.places.size(); ++k) places_[way.nodes[k]] = way.places[k];
+      add_way(way);
     });
+    for (const OsmElement& relation : relations_)
+      for (const OsmMember& member : relation.members) {
+        if (member.kind != OsmKind::kWay || member.places.empty()) continue;
+        if (!seen_.insert({false, member.id}).second) continue;
+        OsmElement way;
+        way.kind = OsmKind::kWay;
+        way.id = member.id;
+        way.places = member.places;
+        add_way(way);
+      }
     std::unordered_set<std::int64_t> nodes;
     for (const OsmElement& way : ways_) nodes.insert(way.nodes.begin(), way.nodes.end());
     read_osm(path, OsmKind::kNode, [&](const OsmElement& node) {
@@ -129,10 +129,27 @@ class OsmSource {
   }
 
  private:
+  void add_way(const OsmElement& way) {
+    index_[way.id] = ways_.size();
+    OsmElement& own = ways_.emplace_back(way);
+    // Overpass may give places alone; ways that meet share a node there.
+    if (way.nodes.empty())
+      for (const Point2 p : way.places)
+        own.nodes.push_back(
+            node_at_.try_emplace({p.x, p.y}, -(std::int64_t{1} << 40) - std::ssize(node_at_))
+                .first->second);
+    if (way.places.size() != own.nodes.size()) return;
+    for (std::size_t k = 0; k < way.places.size(); ++k) {
+      node_at_.try_emplace({way.places[k].x, way.places[k].y}, own.nodes[k]);
+      places_[own.nodes[k]] = way.places[k];
+    }
+  }
+
   std::set<std::pair<bool, std::int64_t>> seen_;
   std::vector<OsmElement> relations_, ways_;
   std::unordered_map<std::int64_t, std::size_t> index_;
   std::unordered_map<std::int64_t, Point2> places_;
+  std::map<std::pair<double, double>, std::int64_t> node_at_;  ///< Of ways with places.
 };
 
 using Chain = std::vector<std::int64_t>;

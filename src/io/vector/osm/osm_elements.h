@@ -22,6 +22,7 @@ struct OsmMember {
   OsmKind kind = OsmKind::kWay;
   std::int64_t id = 0;
   std::string role;
+  std::vector<Point2> places;  ///< Of a way, where the file has them there (Overpass: out geom).
 };
 
 struct OsmElement {

@@ -25,6 +25,15 @@ bool is_kind(const std::string& name, OsmKind& kind) {
   return true;
 }
 
+/// Empty if some are left out, as of ways that leave the box of a query.
+std::vector<Point2> places_of(const Json& geometry) {
+  std::vector<Point2> places;
+  for (const Json& at : geometry)
+    if (at.is_object()) places.push_back({at.value("lon", 0.0), at.value("lat", 0.0)});
+  if (places.size() != geometry.size()) places.clear();
+  return places;
+}
+
 OsmElement element_of(const Json& json, OsmKind kind) {
   OsmElement element;
   element.kind = kind;
@@ -35,14 +44,14 @@ OsmElement element_of(const Json& json, OsmKind kind) {
       if (value.is_string()) element.tags.emplace_back(key, value.get<std::string>());
   if (json.contains("nodes")) element.nodes = json["nodes"].get<std::vector<std::int64_t>>();
   if (json.contains("geometry") && kind == OsmKind::kWay)
-    for (const Json& at : json["geometry"])
-      if (at.is_object()) element.places.push_back({at.value("lon", 0.0), at.value("lat", 0.0)});
+    element.places = places_of(json["geometry"]);
   if (json.contains("members"))
     for (const Json& part : json["members"]) {
       OsmMember member;
       if (!is_kind(part.value("type", ""), member.kind)) continue;
       member.id = part.value("ref", std::int64_t{0});
       member.role = part.value("role", "");
+      if (part.contains("geometry")) member.places = places_of(part["geometry"]);
       element.members.push_back(std::move(member));
     }
   return element;

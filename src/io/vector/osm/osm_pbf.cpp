@@ -233,7 +233,7 @@ class Block {
       id += member.zigzag();
       const std::uint64_t kind = type.varint();
       if (kind > 2) throw Broken{};
-      element.members.push_back({static_cast<OsmKind>(kind), id, text(role.varint())});
+      element.members.push_back({static_cast<OsmKind>(kind), id, text(role.varint()), {}});
     }
     tags(keys, values, element);
     visit_(element);

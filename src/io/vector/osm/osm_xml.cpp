@@ -84,6 +84,8 @@ class OsmXmlReader : public XmlReader {
         member.role = attribute(attributes, "role");
         current_.members.push_back(std::move(member));
       }
+    } else if (name == "nd" && kind_ == OsmKind::kRelation && !current_.members.empty()) {
+      if (Point2 at{}; place(attributes, at)) current_.members.back().places.push_back(at);
     }
   }
 
