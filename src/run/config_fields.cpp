@@ -513,10 +513,9 @@ std::vector<ConfigField> make_fields() {
        .group = "Mesh",
        .member = &C::domain_height,
        .commands = kMeshing,
-       .help =
-           "Height of the domain above the highest ground; at least two mesh sizes (uniform: "
-           "layers) above the highest roof. 0: 100 m; with domain = auto or cylinder 5 times the "
-           "tallest building above the highest roof",
+       .help = "Height of the domain above the highest ground; at least two mesh sizes (uniform: "
+               "layers) above the highest roof. 0: 100 m; with any domain but data 5 times the "
+               "tallest building above the highest roof",
        .unit = "m",
        .common = true,
        .min = 0,

@@ -121,7 +121,8 @@ void fields_of(FootprintAccount& account, const Field& field) {
 
 template <typename Field>
 void fields_of(RoofFacts& roofs, const Field& field) {
-  field("parts", roofs.parts, "integer", "parts of buildings; all of these are 0 at `lod` block");
+  field("parts", roofs.parts, "integer",
+        "parts of buildings; all of these are 0 at `lod` block and in `mesh`");
   field("parts_by_lod", roofs.parts_by_lod, "map of integers",
         "parts by the LoD that their points carry (`block`: the building's height)");
   field("fallbacks", roofs.fallbacks, "integer",
@@ -286,7 +287,7 @@ void fields_of(VolumeMeshFacts& mesh, const Field& field) {
   field("top", mesh.top, "number, m",
         "elevation of the flat top; of a free top, before it follows the terrain");
   field("dihedral_deg.min", mesh.dihedral_min, "number, degrees",
-        "least dihedral angle of any cell");
+        "least dihedral angle of any tet; all of these are 0 if there are none");
   field("dihedral_deg.p0_01", mesh.dihedral_p0_01, "number, degrees",
         "0.01 % of cells have a least dihedral angle up to this; to 0.01 degrees");
   field("dihedral_deg.p0_1", mesh.dihedral_p0_1, "number, degrees", "0.1 %");
