@@ -78,6 +78,23 @@ std::string vector_in_archive(const fs::path& path, const gdal::QuietErrors& err
   return archive + "/" + found.front();
 }
 
+/// City models and OpenStreetMap have readers here, of files that are not packed. GDAL's lose
+/// buildings and heights.
+void require_no_own_format(const fs::path& path, const std::string& name) {
+  std::string block(std::size_t{1} << 16, '\0');
+  VSILFILE* const file = VSIFOpenL(name.c_str(), "rb");
+  if (file == nullptr) return;
+  block.resize(VSIFReadL(block.data(), 1, block.size(), file));
+  VSIFCloseL(file);
+  const auto has = [&](const char* text) { return block.find(text) != std::string::npos; };
+  if (has("CityModel") || has("\"CityJSON"))
+    fail_input(path, "holds a city model, which is read from a file that is not packed; unpack it");
+  if (has("<osm") || has("OSMHeader"))
+    fail_input(path,
+               "holds OpenStreetMap data, which are read from .osm, .osm.gz, .osm.bz2 and "
+               ".pbf; unpack it");
+}
+
 /// GDAL opens whatever it finds in a folder, and would wait for a pipe or a terminal.
 void require_no_pipes_in(const fs::path& folder) {
   std::error_code error, ignored;
@@ -158,6 +175,9 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors, bo
     name = vector_in_archive(path, errors);
   } else if (lower_case(path.extension().string()) == ".gz") {
     name = "/vsigzip/" + path.string();
+  }
+  if (name.starts_with("/vsi")) {
+    require_no_own_format(path, name);
   } else if (are_lines_of_collections(path)) {
     file.copy = std::make_shared<const gdal::MemoryFolder>();
     name = copy_features_of_lines(path, *file.copy);

@@ -445,8 +445,13 @@ FootprintsInput read_open_vector(const fs::path& path, const VectorFile& file,
   const FootprintLayer source(path, file.dataset.get(), options.layer);
   if (!options.where.empty() &&
       OGR_L_SetAttributeFilter(source.get(), options.where.c_str()) != OGRERR_NONE)
-    fail_input(path, fmt::format("`where`: {}{}; write it as in \"status = 'built'\"",
-                                 options.where, errors.reason()));
+    fail_input(
+        path, fmt::format("`where`: {}{}; write it as in \"status = 'built'\"{}", options.where,
+                          errors.reason(),
+                          file.is_osm || is_of_format(file.dataset.get(), "CSV")
+                              ? ", and numbers, which are text here, as in \"CAST(height AS float) "
+                                "> 5\""
+                              : ""));
   FootprintsInput result;
   result.source = path.string();
   result.layer = gdal::utf8(OGR_L_GetName(source.get()));

@@ -970,6 +970,36 @@ TEST(Vector, OverpassMayGiveThePlacesOfMembersAlone) {
   EXPECT_EQ(cut.dropped.size(), 1U);
 }
 
+TEST(Vector, ConditionsOnTextTellHowToCompareNumbers) {
+  const TemporaryFolder folder;
+  const fs::path path = write_text(
+      folder / "a.csv",
+      "confidence,WKT\n0.9,\"POLYGON((0 0,9 0,9 9,0 0))\"\n0.5,\"POLYGON((0 0,9 0,9 9,0 0))\"\n");
+  ReadFootprintsOptions options;
+  options.where = "confidence > 0.7";
+  EXPECT_NE(input_error(path, options).find("CAST(height AS float)"), std::string::npos);
+  options.where = "CAST(confidence AS float) > 0.7";
+  EXPECT_EQ(read_footprints(path, options).features.size(), 1U);
+}
+
+/// GDAL would read them, but for some buildings and heights.
+TEST(Vector, PackedModelsAreToBeUnpacked) {
+  const TemporaryFolder folder;
+  write_text(folder / "a.gml", "<CityModel xmlns=\"http://www.opengis.net/citygml/2.0\"/>");
+  write_text(folder / "b.json", R"({"type":"CityJSON","version":"1.1","CityObjects":{}})");
+  write_text(folder / "c.osm", "<?xml version='1.0'?><osm version='0.6'/>");
+  for (const auto& [name, what] :
+       {std::pair{"a.gml", "city model"}, {"b.json", "city model"}, {"c.osm", "OpenStreetMap"}}) {
+    const std::string in_folder = "cd '" + folder.path().string() + "' && ";
+    ASSERT_EQ(std::system((in_folder + "python3 -m zipfile -c p.zip " + name).c_str()), 0);
+    const std::string said = input_error(folder / "p.zip");
+    EXPECT_NE(said.find(what), std::string::npos) << said;
+    EXPECT_NE(said.find("unpack it"), std::string::npos) << said;
+  }
+  ASSERT_EQ(std::system(("gzip '" + (folder / "a.gml").string() + "'").c_str()), 0);
+  EXPECT_NE(input_error(folder / "a.gml.gz").find("unpack it"), std::string::npos);
+}
+
 TEST(Vector, PackedFilesAreReadInPlace) {
   const TemporaryFolder folder;
   write_footprints(folder / "a.geojson", std::vector<Polygon>{{{{0, 0}, {9, 0}, {9, 9}}, {}}},
