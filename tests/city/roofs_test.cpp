@@ -268,6 +268,7 @@ TEST(Roofs, NoCornerLeavesTheRangeOfItsPoints) {
   half.push_back(list);
   block.points.roof = half;
   block.make(Lod::k2_2);
+  ASSERT_FALSE(block.parts().empty());
   for (const RoofPart& part : block.parts())
     for (const Point2 corner : part.outline.outer) EXPECT_LE(part.roof(corner), highest + 0.502);
 }

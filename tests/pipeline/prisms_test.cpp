@@ -170,6 +170,7 @@ TEST(Prisms, AreNoTallerThanTheFlattestTriangleAllows) {
   city.footprints = {testing::rectangle(40, 30, 60, 45), testing::rectangle(60.5, 30, 80, 45)};
   city.roofs = {14, 22};
   const PrismQuality prisms = mesh_of(city, Cells::kPrisms).volume_facts.prisms;
+  EXPECT_GT(prisms.cells, 0);
   EXPECT_LT(prisms.max_aspect_ratio, 60);
 }
 

@@ -285,13 +285,17 @@ TEST(WindDomain, CylinderIsWidenedForEveryWind) {
 TEST(WindDomain, PolygonKeepsTheBuildingsInIt) {
   Model model = small_model();
   WindDomainOptions options{DomainShape::kPolygon};
-  options.polygon.outer = {{85000, 447000}, {85400, 447000}, {85400, 447075}, {85000, 447300}};
+  options.polygon.outer = {{85000, 447000}, {85400, 447000}, {85400, 447010}, {85000, 447070}};
   std::vector<Warning> warnings;
   fit_wind_domain(options, 1, model.city, model.terrain, warnings);
-  EXPECT_EQ(model.city.buildings.size() + model.city.dropped.size(), 12U);
+  EXPECT_EQ(model.city.buildings.size(), 5U);
+  std::map<std::string, int> reasons;
+  for (const Dropped& dropped : model.city.dropped) ++reasons[dropped.reason];
+  EXPECT_EQ(reasons, (std::map<std::string, int>{{"crosses the domain boundary", 3},
+                                                 {"outside the domain", 4}}));
   for (const Building& building : model.city.buildings)
     for (const Point2 p : building.footprint.outer) {
-      EXPECT_TRUE(contains({{{0, 0}, {400, 0}, {400, 75}, {0, 300}}, {}}, p));
+      EXPECT_TRUE(contains({{{0, 0}, {400, 0}, {400, 10}, {0, 70}}, {}}, p));
     }
   EXPECT_EQ(model.city.domain.sides()[2].patch, static_cast<Patch>(11));
   EXPECT_EQ(name_of_side(model.city.domain, static_cast<Patch>(11)), "side_3");
@@ -406,8 +410,8 @@ TEST(WindDomain, MeshHasItsSidesAsPatches) {
 }
 
 TEST(WindDomain, IsInTheCityModelsFile) {
-  const std::filesystem::path path =
-      std::filesystem::path(::testing::TempDir()) / "wind_domain.city.json";
+  const testing::TemporaryFolder folder;
+  const std::filesystem::path path = folder / "a.city.json";
   for (const WindDomainOptions& options :
        {WindDomainOptions{DomainShape::kBox}, WindDomainOptions{DomainShape::kBox, 240},
         WindDomainOptions{DomainShape::kCylinder, 270, 7}}) {
@@ -435,7 +439,6 @@ TEST(WindDomain, IsInTheCityModelsFile) {
     EXPECT_NE(std::string(error.what()).find("counter-clockwise"), std::string::npos)
         << error.what();
   }
-  std::filesystem::remove(path);
 }
 
 }  // namespace

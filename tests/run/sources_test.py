@@ -181,14 +181,13 @@ def osm_pbf_account(folder, out):
 
 def overture_geojson(folder, out):
     for name in ("buildings.geojson", "buildings.geojsonseq"):
-        for lod, model in ((None, "city_raw.city.json"), ("1.2", "city_raw.city.json")):
-            there = out / f"{name}-{lod}"
-            run(there, *footprints(folder, name), "--id-attribute", "id", *(["--lod", lod] if lod else []))
-            city = City(there, model)
-            part = {key[-3:]: round(b["height"]) for key, b in city.buildings.items()}
-            assert part == {"5f6": part["5f6"], "5f8": part["5f8"], "5f9": 12, "5fa": 30}, part
-            dropped = {key[-3:]: reason for key, reason in city.dropped.items()}
-            assert set(dropped) == {"5f7", "5fb"} and "ground" in dropped["5fb"], dropped
+        there = out / f"{name}-points"
+        run(there, *footprints(folder, name), "--id-attribute", "id")
+        city = City(there, "city_raw.city.json")
+        heights = {key[-3:]: round(b["height"]) for key, b in city.buildings.items()}
+        assert set(heights) == {"5f6", "5f8", "5f9", "5fa"} and heights["5f9"] == 12 and heights["5fa"] == 30, heights
+        dropped = {key[-3:]: reason for key, reason in city.dropped.items()}
+        assert set(dropped) == {"5f7", "5fb"} and "ground" in dropped["5fb"], dropped
         there = out / f"{name}-level"
         run(there, "--footprints", folder / name, "--id-attribute", "id")
         heights = {key[-3:]: h for key, h in City(there).heights().items()}

@@ -71,6 +71,7 @@ class Survey(unittest.TestCase):
         for row in rows:
             self.assertIn(row["outcome"], ("ok", "refused"))
         meshed = [row for row in rows if row["outcome"] == "ok"]
+        self.assertGreater(len(meshed), 3)
         for row in meshed:
             self.assertGreater(int(row["cells"]), 0)
             self.assertEqual(row["inverted"], "0")

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <map>
 #include <random>
 #include <stdexcept>
 
@@ -23,15 +24,41 @@ fs::path data_path(const std::string& relative) {
   return {};
 }
 
+namespace {
+
+/// Folders of this process. Death tests leave by exit, which destroys no local object.
+class LiveFolders {
+ public:
+  ~LiveFolders() {
+    std::error_code ignored;
+    for (const auto& [path, process] : made_by_)
+      if (process == ::getpid()) fs::remove_all(path, ignored);
+  }
+  void add(const fs::path& path) { made_by_[path] = ::getpid(); }
+  void remove(const fs::path& path) { made_by_.erase(path); }
+
+ private:
+  std::map<fs::path, pid_t> made_by_;
+};
+
+LiveFolders& live_folders() {
+  static LiveFolders folders;
+  return folders;
+}
+
+}  // namespace
+
 TemporaryFolder::TemporaryFolder() {
   std::string pattern = (fs::temp_directory_path() / "tetropolis-test-XXXXXX").string();
   if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make " + pattern);
   path_ = pattern;
+  live_folders().add(path_);
 }
 
 TemporaryFolder::~TemporaryFolder() {
   std::error_code ignored;
   fs::remove_all(path_, ignored);
+  live_folders().remove(path_);
 }
 
 namespace {

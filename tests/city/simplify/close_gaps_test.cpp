@@ -111,12 +111,19 @@ TEST(CloseGaps, SimplifiedFootprintsHaveNoSlotsLeft) {
 }
 
 TEST(CloseGaps, UpToTheMergeDistanceChangesNothing) {
-  SimplifyOptions plain, same;
+  SCOPED_TRACE(testing::test_seed());
+  SimplifyOptions plain, same, more;
   same.close_gaps = 1;
-  const std::vector<Polygon> input = testing::cleaned({block_with_slot()});
+  more.close_gaps = 3;
+  std::mt19937 random(testing::test_seed());
+  std::vector<Polygon> raw{block_with_slot()};
+  for (int i = 1; i < 40; ++i)
+    raw.push_back(testing::random_star(random, {60.0 * (i % 8), 60.0 * (i / 8)}, 25, 20));
+  const std::vector<Polygon> input = testing::cleaned(raw);
   const Bounds2 domain = testing::domain_around(input);
-  EXPECT_EQ(simplify_footprints(input, domain, plain).footprints,
-            simplify_footprints(input, domain, same).footprints);
+  const std::vector<Polygon> before = simplify_footprints(input, domain, plain).footprints;
+  EXPECT_EQ(simplify_footprints(input, domain, same).footprints, before);
+  EXPECT_NE(simplify_footprints(input, domain, more).footprints, before);
 }
 
 }  // namespace
