@@ -260,13 +260,20 @@ std::optional<Domain> domain_of(const CityModel& city, const std::optional<Repor
   return report && report->is_absolute() ? city.domain.moved(city.origin) : city.domain;
 }
 
-/// Its domain is that of the model beside it, or that it was made from, else a box.
+/// That of the model in the folder, or that its meshes were made from; none if there is none to be
+/// read: nobody has asked for it.
+std::optional<Domain> domain_beside(const fs::path& folder) {
+  try {
+    const std::optional<ReportedRun> report = read_reported_run(folder);
+    const fs::path city = find_sources(folder, report).city;
+    return city.empty() ? std::nullopt : domain_of(read_city(city), report);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
 CheckedFile check_one_surface(const fs::path& path, const SurfaceMesh& surface) {
-  const fs::path folder = path.parent_path();
-  const std::optional<ReportedRun> report = read_reported_run(folder);
-  std::optional<Domain> domain;
-  if (const fs::path city = find_sources(folder, report).city; !city.empty())
-    domain = domain_of(read_city(city), report);
+  const std::optional<Domain> domain = domain_beside(path.parent_path());
   const Domain* const given = domain ? &*domain : nullptr;
   CheckedFile file = describe(path.filename().string(), is_city_surface(surface)
                                                             ? check_city_surface(surface, given)

@@ -62,18 +62,21 @@ void warn_off_terrain(const CityInput& input, const Raster& terrain,
   constexpr double kMostOff = 3;  // metres, of the median
   constexpr std::size_t kEnough = 10'000;
   const PointCloud& cloud = input.points.points;
-  std::vector<std::size_t> ground;
-  for (std::size_t p = 0; p < cloud.size(); ++p)
-    if (cloud.classification[p] == kGround && input.domain.contains({cloud.x[p], cloud.y[p]}))
-      ground.push_back(p);
-  if (ground.empty()) return;
+  const auto is_ground = [&](std::size_t p) {
+    return cloud.classification[p] == kGround && input.domain.contains({cloud.x[p], cloud.y[p]});
+  };
+  std::size_t count = 0, number = 0;
+  for (std::size_t p = 0; p < cloud.size(); ++p) count += is_ground(p) ? 1 : 0;
+  if (count == 0) return;
+  const std::size_t step = count / kEnough + 1;
   std::vector<double> above;
-  for (std::size_t i = 0; i < ground.size(); i += ground.size() / kEnough + 1)
-    above.push_back(cloud.z[ground[i]] - sample(terrain, {cloud.x[ground[i]], cloud.y[ground[i]]}));
+  for (std::size_t p = 0; p < cloud.size(); ++p)
+    if (is_ground(p) && number++ % step == 0)
+      above.push_back(cloud.z[p] - sample(terrain, {cloud.x[p], cloud.y[p]}));
   const double off = median(above);
   if (std::abs(off) <= kMostOff) return;
   warnings.push_back(
-      {"points_off_terrain", std::ssize(ground),
+      {"points_off_terrain", static_cast<std::int64_t>(count),
        fmt::format("{}: points of the ground lie {:.1f} m {} this terrain (median); are its "
                    "heights of another vertical system or unit than those of {}?",
                    input.terrain->source, std::abs(off), off > 0 ? "above" : "below",

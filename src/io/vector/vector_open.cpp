@@ -87,7 +87,7 @@ void require_no_own_format(const fs::path& path, const std::string& name) {
   block.resize(VSIFReadL(block.data(), 1, block.size(), file));
   VSIFCloseL(file);
   const auto has = [&](const char* text) { return block.find(text) != std::string::npos; };
-  if (has("CityModel") || has("\"CityJSON"))
+  if ((has("CityModel") && has("citygml")) || has("\"CityJSON"))
     fail_input(path, "holds a city model, which is read from a file that is not packed; unpack it");
   if (has("<osm") || has("OSMHeader"))
     fail_input(path,

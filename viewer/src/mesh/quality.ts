@@ -55,16 +55,17 @@ function leastAngles(mesh: ColumnMesh, begin: number, end: number, angles: Float
   }
 }
 
-/** Whether a place lies in what the tet covers in plan. */
-function covers(p: ArrayLike<number>, x: number, y: number): boolean {
-  /** Twice the area of a triangle: of two corners and the place. */
-  const area = (i: number, j: number): number => (p[i] - x) * (p[j + 1] - y) - (p[i + 1] - y) * (p[j] - x);
-  return [[0, 3, 6], [0, 3, 9], [3, 6, 9], [6, 0, 9]].some(([a, b, c]) => {
-    const parts = [area(a, b), area(b, c), area(c, a)];
-    const isUpright = Math.abs(parts[0] + parts[1] + parts[2]) < 1;
-    return !isUpright && (parts.every((part) => part >= 0) || parts.every((part) => part <= 0));
-  });
+/** Whether a place lies in what corners i, j and k of the tet span in plan; never if that is nothing. */
+function spans(p: ArrayLike<number>, i: number, j: number, k: number, x: number, y: number): boolean {
+  const ax = p[i] - x, ay = p[i + 1] - y, bx = p[j] - x, by = p[j + 1] - y, cx = p[k] - x, cy = p[k + 1] - y;
+  // Twice the areas of triangles of two corners and the place.
+  const ab = ax * by - ay * bx, bc = bx * cy - by * cx, ca = cx * ay - cy * ax;
+  return Math.abs(ab + bc + ca) >= 1 && ((ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0));
 }
+
+/** Whether a place lies in what the tet covers in plan. */
+const covers = (p: ArrayLike<number>, x: number, y: number): boolean =>
+    spans(p, 0, 3, 6, x, y) || spans(p, 0, 3, 9, x, y) || spans(p, 3, 6, 9, x, y) || spans(p, 6, 0, 9, x, y);
 
 /** Ground triangles by their centres, in squares of a grid. */
 class Centres {
@@ -108,9 +109,9 @@ class Centres {
 
   /** Calls `visit` for each triangle whose centre the tet covers. */
   visit(p: ArrayLike<number>, visit: (triangle: number) => void): void {
-    const xs = [p[0], p[3], p[6], p[9]], ys = [p[1], p[4], p[7], p[10]];
-    const from = this.column(Math.min(...xs)), to = this.column(Math.max(...xs));
-    for (let row = this.row(Math.min(...ys)); row <= this.row(Math.max(...ys)); ++row)
+    const from = this.column(Math.min(p[0], p[3], p[6], p[9])), to = this.column(Math.max(p[0], p[3], p[6], p[9]));
+    const last = this.row(Math.max(p[1], p[4], p[7], p[10]));
+    for (let row = this.row(Math.min(p[1], p[4], p[7], p[10])); row <= last; ++row)
       for (let i = this.first[row * this.columns + from]; i < this.first[row * this.columns + to + 1]; ++i) {
         const t = this.sorted[i];
         if (covers(p, this.x[t], this.y[t])) visit(t);
