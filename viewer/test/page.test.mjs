@@ -284,10 +284,7 @@ test('can be used without a mouse', async () => {
 
 test('follows the theme of the system until one is chosen', {skip: firefox !== undefined}, async () => {
   const other = await browser.newPage();
-  const theme = async () => {
-    await other.evaluate(() => new Promise((done) => requestAnimationFrame(() => setTimeout(done, 50))));
-    return other.evaluate(() => document.documentElement.dataset.theme);
-  };
+  const is = (theme) => other.waitForFunction((wanted) => document.documentElement.dataset.theme === wanted, {timeout: 60_000}, theme);
   const system = (value) => other.emulateMediaFeatures([{name: 'prefers-color-scheme', value}]);
   await other.bringToFront();
   await system('dark');
@@ -295,14 +292,18 @@ test('follows the theme of the system until one is chosen', {skip: firefox !== u
   await other.evaluate(() => localStorage.clear());
   await other.reload();
   await other.waitForFunction('window.tetropolis', {timeout: 120_000});
-  assert.equal(await theme(), 'dark');
+  await is('dark');
   await system('light');
-  assert.equal(await theme(), 'light');
+  await is('light');
+  // Chosen: dark, and dark it stays.
   await other.click('#theme');
+  await is('dark');
+  await other.evaluate(() => { window.changes = 0; matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => ++window.changes); });
   await system('dark');
-  await theme();
+  await other.waitForFunction('window.changes === 1', {timeout: 60_000});
   await system('light');
-  assert.equal(await theme(), 'dark');
+  await other.waitForFunction('window.changes === 2', {timeout: 60_000});
+  await is('dark');
   await other.evaluate(() => localStorage.clear());
   await other.close();
 });
