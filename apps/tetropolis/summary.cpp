@@ -90,9 +90,10 @@ void say_city(const Report& report, std::vector<std::string>& lines) {
   const CityFacts& city = *report.city;
   std::string source;
   if (report.input)
-    source = fmt::format(" from {} of {}",
-                         grouped(report.input->footprint_parts - std::ssize(city.dropped)),
-                         counted(report.input->footprint_parts, "footprint", "footprints"));
+    source = fmt::format(
+        " from {} of {}",
+        grouped(report.input->footprint_parts - std::ssize(city.dropped) - city.account.unlisted),
+        counted(report.input->footprint_parts, "footprint", "footprints"));
   lines.push_back(fmt::format("Built {}{}, {}", counted(city.buildings, "building", "buildings"),
                               source, where(report)));
   if (report.volume_mesh)

@@ -69,8 +69,8 @@ void compare_buildings(const CityModel& city, const CityCheck& check, const City
   compare_count("number of merged footprints", account.merged,
                 all_source_ids(city).size() - city.dropped.size() - alone, file);
   compare_count("number of dropped footprints",
-                account.unusable + account.outside + account.boundary + account.too_small +
-                    account.too_narrow + account.no_building + account.outlined,
+                account.unusable + account.outside - account.unlisted + account.boundary +
+                    account.too_small + account.too_narrow + account.no_building + account.outlined,
                 city.dropped.size(), file);
   compare("area of footprints", report.area_after, check.area * (1 - 1e-9) - 1e-6, check.area,
           check.area * (1 + 1e-9) + 1e-6, file);
@@ -171,6 +171,8 @@ void compare_account(const CityModel& city, const std::optional<ReportedRun>& re
     return;
   }
   std::size_t accounted = city.dropped.size();
+  if (report->report.city)
+    accounted += static_cast<std::size_t>(report->report.city->account.unlisted);
   for (const Building& building : city.buildings) accounted += building.source_ids.size();
   const std::int64_t parts = report->report.input->footprint_parts;
   if (parts != static_cast<std::int64_t>(accounted))

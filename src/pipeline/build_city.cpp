@@ -185,8 +185,9 @@ InputFacts facts_of(const CitySources& sources) {
   facts.points_read = points.points_read;
   facts.points_kept = points.points_kept;
   facts.points_by_class = points.points_by_class;
+  facts.footprints_unlisted = footprints.unlisted;
   facts.footprint_parts =
-      static_cast<std::int64_t>(footprints.features.size() + footprints.dropped.size());
+      std::ssize(footprints.features) + std::ssize(footprints.dropped) + footprints.unlisted;
   // A caller that has made the footprints of arrays need not count them.
   facts.footprints_read =
       footprints.features_read > 0 ? footprints.features_read : facts.footprint_parts;

@@ -60,6 +60,7 @@ FootprintAccount account_of(const InputFacts& input, const CityModel& model) {
   FootprintAccount account;
   account.features = input.footprints_read;
   account.further_parts = input.footprint_parts - input.footprints_read;
+  account.outside = account.unlisted = input.footprints_unlisted;
   for (const Building& building : model.buildings) {
     const std::int64_t members = std::ssize(building.source_ids);
     (members == 1 ? account.kept : account.merged) += members;
@@ -108,7 +109,7 @@ std::string account_in_words(const CityFacts& facts, const BuildCityOptions& opt
   tell(kept, account.kept, "alone");
   tell(dropped, account.boundary,
        clips ? "at the boundary" : "at the boundary (`boundary_buildings` clip keeps them)");
-  tell(dropped, account.outside, "outside the domain");
+  tell(dropped, account.outside, kOutsideReason);
   tell(dropped, account.too_small, fmt::format("smaller than {:g} m2", options.simplify.min_area));
   tell(dropped, account.too_narrow, fmt::format("narrower than {:g} m", distance));
   tell(dropped, account.no_building, "below ground or not built");

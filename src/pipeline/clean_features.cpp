@@ -82,7 +82,7 @@ struct Kept {
   DropCause cause = DropCause::kUnusable;
 };
 
-Kept outside() { return {{}, 0, "outside the domain", DropCause::kOutside}; }
+Kept outside() { return {{}, 0, kOutsideReason, DropCause::kOutside}; }
 Kept at_boundary(const char* reason) { return {{}, 0, reason, DropCause::kBoundary}; }
 
 /// `cleaned.lost_area` grows by what the boundary cuts off and is left out.

@@ -38,7 +38,7 @@ std::string reason_to_leave_out(const Building& building, const Domain& domain, 
                          building.h_ground, building.h_roof);
   switch (domain.position_of(building.footprint)) {
     case DomainPosition::kOutside:
-      return "outside the domain";
+      return kOutsideReason;
     case DomainPosition::kCrossing:
       return "crosses the domain boundary";
     case DomainPosition::kInside:

@@ -77,18 +77,6 @@ void refuse_model(const fs::path& path) {
         fmt::format("{}: is a city model; 'tetropolis mesh' makes a mesh of it", path.string()));
 }
 
-/// The box of a box in degrees, in a projected system.
-Bounds2 transformed(const Bounds2& degrees, const std::string& crs) {
-  std::vector<Point2> grid;
-  for (const double x : {0.0, 0.5, 1.0})
-    for (const double y : {0.0, 0.5, 1.0})
-      grid.push_back({degrees.xmin + x * degrees.width(), degrees.ymin + y * degrees.height()});
-  Bounds2 box = Bounds2::nothing();
-  for (const Point2 p : reproject(grid, "EPSG:4326", crs))
-    if (!std::isnan(p.x)) box.extend(p);
-  return box;
-}
-
 [[noreturn]] void fail(const std::string& path, const char* what, const char* setting, bool swapped,
                        const char* other) {
   throw Error(ErrorKind::kUsage,
@@ -144,7 +132,7 @@ void refuse_degree_bounds(const Config& config, const std::string& crs, const Bo
   std::string elsewhere;
   for (const Bounds2& degrees : {given, Bounds2{given.ymin, given.xmin, given.ymax, given.xmax}}) {
     if (!kGlobe.covers(degrees)) continue;
-    const Bounds2 box = transformed(degrees, crs);
+    const Bounds2 box = reproject_box(degrees, "EPSG:4326", crs);
     if (box.empty()) continue;
     const std::string sides =
         fmt::format("{:.0f},{:.0f},{:.0f},{:.0f}", std::floor(box.xmin), std::floor(box.ymin),

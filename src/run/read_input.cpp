@@ -57,8 +57,17 @@ std::vector<std::filesystem::path> footprint_paths(const Config& config) {
   return expand_paths(config.footprints, kVectorFiles);
 }
 
+/// The box of the settings, if there is one.
+Bounds2 stated_box(const Config& config) {
+  if (config.bounds.empty()) return Bounds2::nothing();
+  return {config.bounds[0], config.bounds[1], config.bounds[2], config.bounds[3]};
+}
+
+/// `target_crs`: what they are reprojected to; empty: as they are. `city_crs`: of the settings'
+/// bounds, if known.
 FootprintsInput read_all_footprints(const Config& config, const InputInMemory& given,
-                                    const std::string& points_crs, StepClock& clock) {
+                                    const std::string& target_crs, const std::string& city_crs,
+                                    StepClock& clock) {
   if (config.footprints.empty()) return {};
   ReadFootprintsOptions options;
   options.layer = config.layer;
@@ -69,8 +78,12 @@ FootprintsInput read_all_footprints(const Config& config, const InputInMemory& g
   options.height_unit = height_unit_metres(config.height_unit);
   options.where = config.where;
   options.source_crs = config.footprints_crs;
-  options.target_crs = points_crs;
+  options.target_crs = target_crs;
   options.attributes = true;
+  // Bounds in degrees by mistake are told from what the data are.
+  constexpr Bounds2 kDegrees{-180, -180, 180, 180};
+  if (const Bounds2 box = stated_box(config); !kDegrees.covers(box)) options.within = box;
+  options.within_crs = city_crs;
   return clock.run("1.2", "read footprints", [&](const Progress&) {
     if (given.footprints) return take_footprints(*given.footprints, options);
     const std::vector<std::filesystem::path> paths = footprint_paths(config);
@@ -83,8 +96,7 @@ FootprintsInput read_all_footprints(const Config& config, const InputInMemory& g
 
 /// The box in which points can matter, CRS coordinates.
 Bounds2 reading_box(const Config& config, const FootprintsInput& footprints) {
-  if (!config.bounds.empty())
-    return {config.bounds[0], config.bounds[1], config.bounds[2], config.bounds[3]};
+  if (!config.bounds.empty()) return stated_box(config);
   if (!footprints.bounds.empty()) return footprints.bounds.grown(config.domain_margin);
   const std::string why = footprints.dropped.empty()
                               ? "it is empty"
@@ -239,7 +251,10 @@ RunInput read_without_points(const Config& config, Next next, StepClock& clock,
                              std::vector<Warning>& warnings, const InputInMemory& given) {
   const RasterHeaders rasters = read_raster_headers(config);
   RunInput input;
-  input.footprints = read_all_footprints(config, given, {}, clock);
+  std::vector<Warning> told_below;
+  const std::string raster_crs =
+      rasters.crs.empty() ? rasters.crs : system_without_points(rasters, {}, told_below);
+  input.footprints = read_all_footprints(config, given, {}, raster_crs, clock);
   const std::string crs = system_without_points(rasters, input.footprints, warnings);
   if (!crs.empty() && !input.footprints.crs.empty()) reproject_footprints(input.footprints, crs);
   require_grids(config, input.footprints);
@@ -248,7 +263,9 @@ RunInput read_without_points(const Config& config, Next next, StepClock& clock,
   if (crs.empty() || input.footprints.crs.empty())
     refuse_unmarked_degrees(input.footprints.bounds, given_text(config.footprints),
                             "footprints_crs");
-  refuse_degree_bounds(config, crs, input.footprints.bounds);
+  refuse_degree_bounds(
+      config, crs,
+      rasters.box.empty() ? input.footprints.bounds : reproject_box(rasters.box, rasters.crs, crs));
   const bool only_rasters_tell =
       config.terrain_only && config.bounds.empty() && input.footprints.bounds.empty();
   Bounds2 box = Bounds2::nothing();
@@ -304,7 +321,7 @@ RunInput read_input(const Config& config, Next next, StepClock& clock,
       config, paths.front().string(), given.points.has_value(), headers, units, warnings);
 
   RunInput input;
-  input.footprints = read_all_footprints(config, given, points_crs, clock);
+  input.footprints = read_all_footprints(config, given, points_crs, points_crs, clock);
   require_grids(config, input.footprints);
   warn_of_heights(config, input.footprints, warnings);
   if (config.bounds.empty()) bound_by_extent(input.footprints, config.parallel_tolerance);

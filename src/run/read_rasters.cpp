@@ -15,17 +15,6 @@
 
 namespace tetropolis {
 
-namespace {
-
-/// Whether lengths in a system are lengths on the ground, nearly.
-bool is_true_to_scale(const std::string& crs, const Bounds2& box) {
-  constexpr double kMost = 0.01;
-  const double scale = length_scale(crs, {(box.xmin + box.xmax) / 2, (box.ymin + box.ymax) / 2});
-  return !(std::abs(scale - 1) > kMost);
-}
-
-}  // namespace
-
 RasterHeaders read_raster_headers(const Config& config) {
   RasterHeaders headers;
   const std::string given = normalise_crs(config.raster_crs);

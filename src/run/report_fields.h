@@ -109,6 +109,8 @@ void fields_of(FootprintAccount& account, const Field& field) {
   field("merged", account.merged, "integer", "footprints in buildings of several");
   field("unusable", account.unusable, "integer", "dropped: no polygon, or beyond repair");
   field("outside", account.outside, "integer", "dropped: outside the domain");
+  field("unlisted", account.unlisted, "integer",
+        "of these, those not in `city.dropped`, which has the first 100,000 beyond `bounds`");
   field("boundary", account.boundary, "integer",
         "dropped: across the domain's boundary, or mostly beyond the points");
   field("too_small", account.too_small, "integer", "dropped: below `min_building_area`");

@@ -47,6 +47,8 @@ std::string page_of(const CityModel& city, const PageMesh* mesh,
                     std::span<const PageFootprint> footprints, Report report, std::string repeat) {
   std::map<std::string, std::int64_t> dropped;
   for (const Dropped& feature : city.dropped) ++dropped[feature.reason];
+  if (report.city && report.city->account.unlisted > 0)
+    dropped[kOutsideReason] += report.city->account.unlisted;
   // Of a country's footprints most are outside the domain: the page counts them.
   if (report.city) report.city->dropped.clear();
   return page_html({.city = city,

@@ -21,6 +21,7 @@
 #include "tetropolis/io/cityjson/cityjson.h"
 #include "tetropolis/io/mesh/vtk.h"
 #include "tetropolis/io/raster/geotiff.h"
+#include "tetropolis/io/vector/vector.h"
 #include "tetropolis/run/run.h"
 
 #include "pipeline/memory.h"
@@ -837,6 +838,65 @@ TEST_F(Build, FreeTopAndOtherSizesHoldTheGuaranteesToo) {
   config.min_building_distance = 2.5;
   run_build(config);
   expect_guarantees(config.out);
+}
+
+TEST_F(Build, OfACountryAroundACityOnlyTheNumberIsKept) {
+  Config config = city(SynthKind::kRandom, 20, 200, 9);
+  ReadFootprintsOptions options;
+  options.id_attribute = "id";
+  const FootprintsInput here = read_footprints(config.footprints.front(), options);
+  std::vector<Polygon> polygons;
+  std::vector<std::string> ids;
+  const auto add = [&](const std::string& file) {
+    config.footprints = {(scratch / file).string()};
+    write_footprints(config.footprints.front(), polygons, ids, {}, {}, here.crs);
+  };
+  for (const Footprint& feature : here.features) {
+    polygons.push_back(feature.polygon);
+    ids.push_back(feature.source_id);
+  }
+  config.bounds = {here.bounds.xmin - 20, here.bounds.ymin - 20, here.bounds.xmax - 50,
+                   here.bounds.ymax + 20};
+  add("city.gpkg");
+  run_build(config);
+  const fs::path alone = scratch / "alone";
+  fs::rename(config.out, alone);
+  // They come first, so that features of the city are read after the last that is listed.
+  constexpr std::int64_t kListed = 100'000, kMore = 50;
+  std::vector<Polygon> country;
+  std::vector<std::string> names;
+  for (std::int64_t i = 0; i < kListed + kMore; ++i) {
+    const double x = here.bounds.xmin + 1000 + 20.0 * static_cast<double>(i % 300);
+    const double y = here.bounds.ymin + 20.0 * static_cast<double>(i / 300);
+    country.push_back(Polygon{{{x, y}, {x + 9, y}, {x + 9, y + 9}, {x, y + 9}}, {}});
+    names.push_back(fmt::format("far{}", i));
+  }
+  polygons.insert(polygons.begin(), country.begin(), country.end());
+  ids.insert(ids.begin(), names.begin(), names.end());
+  add("country.gpkg");
+  const Report report = run_build(config);
+  const FootprintAccount& account = report.city->account;
+  EXPECT_EQ(account.features, std::ssize(polygons));
+  EXPECT_EQ(account.unlisted, kMore);
+  EXPECT_GE(account.outside, kListed + kMore);
+  EXPECT_EQ(account.kept + account.merged + account.outside + account.boundary + account.too_small +
+                account.too_narrow + account.no_building + account.unusable,
+            account.features + account.further_parts);
+  for (const char* name : {"volume.vtu", "boundary.vtp", "surface.stl", "dtm.tif"})
+    EXPECT_EQ(bytes_of(fs::path(config.out) / name), bytes_of(alone / name)) << name;
+  // The attributes are of another file, but not what became of the footprints.
+  EXPECT_EQ(read_footprints(fs::path(config.out) / "buildings.gpkg", {.layer = "footprints"})
+                .features.size(),
+            read_footprints(alone / "buildings.gpkg", {.layer = "footprints"}).features.size());
+  bool accounted = false;
+  for (const CheckedFile& file : check_path(config.out, std::nullopt)) {
+    for (const Violation& violation : file.violations)
+      ADD_FAILURE() << file.name << ": " << violation.what << ": " << violation.first;
+    for (const std::string& fact : file.facts)
+      accounted =
+          accounted || fact == fmt::format("all {} input features accounted for", polygons.size());
+  }
+  EXPECT_TRUE(accounted);
 }
 
 TEST_F(Build, ClippedBuildingsStayClearOfTheBoundary) {

@@ -90,6 +90,7 @@ constexpr Key kContract[] = {
     {"city.account.merged", Type::kNumber},
     {"city.account.unusable", Type::kNumber},
     {"city.account.outside", Type::kNumber},
+    {"city.account.unlisted", Type::kNumber},
     {"city.account.boundary", Type::kNumber},
     {"city.account.too_small", Type::kNumber},
     {"city.account.too_narrow", Type::kNumber},

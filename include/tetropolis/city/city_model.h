@@ -111,6 +111,9 @@ enum class DropCause : std::uint8_t {
 /// "outlined".
 const char* name_of(DropCause cause);
 
+/// The reason of those that are `DropCause::kOutside`.
+inline constexpr const char* kOutsideReason = "outside the domain";
+
 /// An input feature that ended in no building, and why (one short clause, lower case).
 struct Dropped {
   std::string source_id;

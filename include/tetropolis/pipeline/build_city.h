@@ -88,11 +88,12 @@ struct InputFacts {
   std::int64_t points_read = 0;
   std::int64_t points_kept = 0;
   std::map<int, std::int64_t> points_by_class;
-  std::int64_t ground_filtered = 0;  ///< Points that the ground filter found to be ground.
-  std::int64_t ground_outliers = 0;  ///< Ground points left out as birds or pits.
-  std::int64_t footprints_read = 0;  ///< Features of the file.
-  std::int64_t footprint_parts = 0;  ///< The same with multipolygons, and what the domain
-                                     ///< cuts into parts, split: what is accounted for.
+  std::int64_t ground_filtered = 0;      ///< Points that the ground filter found to be ground.
+  std::int64_t ground_outliers = 0;      ///< Ground points left out as birds or pits.
+  std::int64_t footprints_read = 0;      ///< Features of the file.
+  std::int64_t footprint_parts = 0;      ///< The same with multipolygons, and what the domain
+                                         ///< cuts into parts, split: what is accounted for.
+  std::int64_t footprints_unlisted = 0;  ///< FootprintsInput::unlisted.
 };
 
 /// What became of the footprints: the counts from `kept` on add up to `features` and
@@ -105,6 +106,7 @@ struct FootprintAccount {
   std::int64_t merged = 0;         ///< Footprints in buildings of several.
   std::int64_t unusable = 0;       ///< From here on dropped, by DropCause.
   std::int64_t outside = 0;
+  std::int64_t unlisted = 0;  ///< Of `outside`: those that are not in CityFacts::dropped.
   std::int64_t boundary = 0;
   std::int64_t too_small = 0;
   std::int64_t too_narrow = 0;

@@ -278,6 +278,12 @@ std::string in_metres(const std::string& crs) {
   return gdal::canonical_name(bare.get());
 }
 
+bool is_true_to_scale(const std::string& crs, const Bounds2& box) {
+  constexpr double kMost = 0.01;
+  const double scale = length_scale(crs, {(box.xmin + box.xmax) / 2, (box.ymin + box.ymax) / 2});
+  return !(std::abs(scale - 1) > kMost);
+}
+
 std::string utm_zone(Point2 at) {
   constexpr int kZones = 60, kNorth = 32600, kSouth = 32700;
   constexpr double kWidth = 6;  // degrees
@@ -366,6 +372,19 @@ std::vector<Point2> reproject(std::span<const Point2> points, const std::string&
       result[begin + i] = ok ? Point2{x[i], y[i]} : Point2{kNaN, kNaN};
     }
   }
+  return result;
+}
+
+Bounds2 reproject_box(const Bounds2& box, const std::string& from, const std::string& to) {
+  if (from == to || from.empty() || to.empty() || same_horizontal_crs(from, to)) return box;
+  constexpr int kParts = 8;
+  std::vector<Point2> grid;
+  for (int i = 0; i <= kParts; ++i)
+    for (int j = 0; j <= kParts; ++j)
+      grid.push_back({box.xmin + box.width() * i / kParts, box.ymin + box.height() * j / kParts});
+  Bounds2 result = Bounds2::nothing();
+  for (const Point2 p : reproject(grid, from, to))
+    if (std::isfinite(p.x)) result.extend(p);
   return result;
 }
 

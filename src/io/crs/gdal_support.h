@@ -93,6 +93,11 @@ struct FeatureDeleter {
 };
 using Feature = std::unique_ptr<std::remove_pointer_t<OGRFeatureH>, FeatureDeleter>;
 
+struct GeometryDeleter {
+  void operator()(OGRGeometryH geometry) const { OGR_G_DestroyGeometry(geometry); }
+};
+using Geometry = std::unique_ptr<std::remove_pointer_t<OGRGeometryH>, GeometryDeleter>;
+
 /// A folder of GDAL's in memory while it lives.
 class MemoryFolder {
  public:

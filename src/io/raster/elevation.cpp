@@ -62,20 +62,6 @@ double metres_per_unit(const std::string& crs) {
   return is_geographic(crs) ? kMetresPerDegree : linear_unit_metres(crs);
 }
 
-/// The box around a box in another system, by points along its sides.
-Bounds2 transformed(const Bounds2& box, const std::string& from, const std::string& to) {
-  if (from == to || from.empty() || to.empty() || same_horizontal_crs(from, to)) return box;
-  constexpr int kParts = 8;
-  std::vector<Point2> grid;
-  for (int i = 0; i <= kParts; ++i)
-    for (int j = 0; j <= kParts; ++j)
-      grid.push_back({box.xmin + box.width() * i / kParts, box.ymin + box.height() * j / kParts});
-  Bounds2 result = Bounds2::nothing();
-  for (const Point2 p : reproject(grid, from, to))
-    if (std::isfinite(p.x)) result.extend(p);
-  return result;
-}
-
 /// Tiles of one system, with pixels of one size at whole steps from each other.
 bool on_one_grid(const RasterHeader& a, const RasterHeader& b) {
   constexpr double kSame = 1e-6, kShift = 1e-3;
@@ -310,14 +296,14 @@ Elevations read_elevations(std::span<const fs::path> paths, const ReadElevations
     const std::span<const Tile> group{tiles.begin() + static_cast<std::ptrdiff_t>(begin), end};
     begin += group.size();
     const std::string& crs = group.front().header.crs;
-    const Bounds2 wanted = transformed(options.box, result.crs, crs);
+    const Bounds2 wanted = reproject_box(options.box, result.crs, crs);
     if (wanted.empty() && !options.box.empty()) continue;
     Layer layer = lay_out(group, wanted, markers);
     if (layer.values.empty()) continue;
     const Bounds2 box{layer.x0, layer.y0,
                       layer.x0 + static_cast<double>(layer.nx - 1) * layer.step_x,
                       layer.y0 + static_cast<double>(layer.ny - 1) * layer.step_y};
-    covered.extend(transformed(box, crs, result.crs));
+    covered.extend(reproject_box(box, crs, result.crs));
     layers.push_back(std::move(layer));
   }
   markers.report(result.warnings);

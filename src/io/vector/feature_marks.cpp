@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <memory>
-#include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -15,6 +13,7 @@
 #include "core/text.h"
 #include "feature_heights.h"
 #include "measure_text.h"
+#include "polygon_geometry.h"
 
 namespace tetropolis {
 
@@ -24,22 +23,8 @@ int column(OGRLayerH layer, const char* name) {
   return OGR_FD_GetFieldIndex(OGR_L_GetLayerDefn(layer), name);
 }
 
-struct GeometryDeleter {
-  void operator()(OGRGeometryH geometry) const { OGR_G_DestroyGeometry(geometry); }
-};
-using Geometry = std::unique_ptr<std::remove_pointer_t<OGRGeometryH>, GeometryDeleter>;
-
-void add_ring(OGRGeometryH polygon, const Ring& ring) {
-  OGRGeometryH line = OGR_G_CreateGeometry(wkbLinearRing);
-  for (const Point2 p : ring) OGR_G_AddPoint_2D(line, p.x, p.y);
-  if (!ring.empty()) OGR_G_AddPoint_2D(line, ring.front().x, ring.front().y);
-  OGR_G_AddGeometryDirectly(polygon, line);
-}
-
-Geometry geometry_of(const Polygon& polygon) {
-  Geometry geometry(OGR_G_CreateGeometry(wkbPolygon));
-  add_ring(geometry.get(), polygon.outer);
-  for (const Ring& hole : polygon.holes) add_ring(geometry.get(), hole);
+gdal::Geometry valid_geometry(const Polygon& polygon) {
+  gdal::Geometry geometry(polygon_geometry(polygon));
   if (OGR_G_IsValid(geometry.get()) == 0) geometry.reset(OGR_G_MakeValid(geometry.get()));
   return geometry;
 }
@@ -132,17 +117,17 @@ void put_parts_for_outlines(const std::vector<bool>& parts, FootprintsInput& inp
     Footprint& feature = input.features[i];
     if (parts[i]) continue;
     const Bounds2 box = bounds(feature.polygon);
-    Geometry whole, covered;
+    gdal::Geometry whole, covered;
     const auto begin =
         std::lower_bound(boxes.begin(), boxes.end(), box.xmin - widest,
                          [](const Box& candidate, double x) { return candidate.box.xmin < x; });
     for (auto at = begin; at != boxes.end() && at->box.xmin <= box.xmax; ++at) {
       if (!at->box.intersects(box)) continue;
-      if (whole == nullptr) whole = geometry_of(feature.polygon);
+      if (whole == nullptr) whole = valid_geometry(feature.polygon);
       Footprint& part = input.features[at->feature];
-      const Geometry shape = geometry_of(part.polygon);
+      const gdal::Geometry shape = valid_geometry(part.polygon);
       if (whole == nullptr || shape == nullptr) continue;
-      Geometry common(OGR_G_Intersection(whole.get(), shape.get()));
+      gdal::Geometry common(OGR_G_Intersection(whole.get(), shape.get()));
       constexpr double kMostly = 0.5;
       if (common == nullptr || OGR_G_Area(common.get()) <= kMostly * OGR_G_Area(shape.get()))
         continue;
@@ -161,7 +146,7 @@ void put_parts_for_outlines(const std::vector<bool>& parts, FootprintsInput& inp
     const double area = OGR_G_Area(whole.get());
     std::vector<Polygon> rest;
     if (OGR_G_Area(covered.get()) < kAll * area) {
-      const Geometry left(OGR_G_Difference(whole.get(), covered.get()));
+      const gdal::Geometry left(OGR_G_Difference(whole.get(), covered.get()));
       collect_polygons(left.get(), kSliver * area, rest);
     }
     if (rest.empty()) {

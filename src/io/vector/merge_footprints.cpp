@@ -93,6 +93,7 @@ FootprintsInput merge_footprints(std::vector<FootprintsInput> inputs,
       all.dropped.push_back(std::move(feature));
     }
     all.features_read += input.features_read;
+    all.unlisted += input.unlisted;
     if (!input.bounds.empty()) all.bounds.extend(input.bounds);
     all.warnings.insert(all.warnings.end(), input.warnings.begin(), input.warnings.end());
   }

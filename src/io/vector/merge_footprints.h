@@ -13,10 +13,11 @@
 namespace tetropolis {
 
 /// What folders of footprints are looked through for.
-inline constexpr std::array<std::string_view, 20> kVectorEndings{
-    ".shp", ".gpkg",   ".gdb", ".geojson", ".geojsonl", ".geojsons", ".geojsonseq",
-    ".fgb", ".ndjson", ".gml", ".kml",     ".sqlite",   ".tab",      ".mif",
-    ".osm", ".osm.gz", ".pbf", ".osm.bz2", ".parquet",  ".dxf"};
+inline constexpr std::array<std::string_view, 22> kVectorEndings{
+    ".shp",        ".gpkg", ".gdb",       ".geojson",   ".geojsonl", ".geojsons",
+    ".geojsonseq", ".fgb",  ".ndjson",    ".gml",       ".kml",      ".sqlite",
+    ".tab",        ".mif",  ".osm",       ".osm.gz",    ".pbf",      ".osm.bz2",
+    ".parquet",    ".dxf",  ".city.json", ".city.jsonl"};
 inline constexpr FileKind kVectorFiles{"vector files", kVectorEndings};
 
 /// All features in the order of the inputs, with ids "FILE:ID", where FILE is the name of the file

@@ -8,6 +8,6 @@
 namespace tetropolis {
 
 /// A new polygon, closed, with `origin` added to its coordinates.
-OGRGeometryH polygon_geometry(const Polygon& polygon, Point2 origin);
+OGRGeometryH polygon_geometry(const Polygon& polygon, Point2 origin = {});
 
 }  // namespace tetropolis

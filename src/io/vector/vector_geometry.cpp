@@ -26,11 +26,6 @@ namespace {
 // Collections inside collections inside ...: nobody draws footprints this deep.
 constexpr int kDeepest = 32;
 
-struct GeometryDeleter {
-  void operator()(OGRGeometryH geometry) const { OGR_G_DestroyGeometry(geometry); }
-};
-using Geometry = std::unique_ptr<std::remove_pointer_t<OGRGeometryH>, GeometryDeleter>;
-
 bool read_ring(OGRGeometryH ring, Ring& result) {
   const int count = OGR_G_GetPointCount(ring);
   result.reserve(static_cast<std::size_t>(count));
@@ -238,7 +233,7 @@ FlatGeometry flatten(OGRGeometryH geometry, const PlanUnits& units) {
     result.reason = "an empty geometry";
     return result;
   }
-  Geometry linear;
+  gdal::Geometry linear;
   if (OGR_G_HasCurveGeometry(geometry, FALSE) != 0) {
     linear.reset(OGR_G_GetLinearGeometry(geometry, 0, nullptr));
     geometry = linear.get();

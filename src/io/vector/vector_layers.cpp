@@ -49,24 +49,11 @@ OGRLayerH find_layer(const fs::path& path, GDALDatasetH dataset, const std::stri
                                              fmt::join(all, ", ")));
 }
 
-/// The buildings of a data set in one of OpenStreetMap's own formats. GDAL makes one layer of all
-/// areas (land use and waters, too), and gives up where another layer has 100,000 features that
-/// nobody has read, unless a query tells it that nobody will. Null where the user has given GDAL
-/// other rules for layers and attributes.
-OGRLayerH select_buildings(GDALDatasetH dataset) {
-  return GDALDatasetExecuteSQL(
-      dataset, "SELECT * FROM multipolygons WHERE building IS NOT NULL AND building <> 'no'",
-      nullptr, nullptr);
-}
-
 }  // namespace
 
 FootprintLayer::FootprintLayer(const fs::path& path, GDALDatasetH dataset,
                                const std::string& wanted)
-    : dataset_(dataset) {
-  if (is_of_format(dataset, "OSM") && (wanted.empty() || wanted == "multipolygons"))
-    selected_ = select_buildings(dataset);
-  layer_ = selected_ != nullptr ? selected_ : find_layer(path, dataset, wanted);
+    : layer_(find_layer(path, dataset, wanted)) {
   if (OGR_FD_GetGeomFieldCount(OGR_L_GetLayerDefn(layer_)) > 1)
     field_ = std::max(polygon_field(layer_), 0);
 }
@@ -75,10 +62,6 @@ OGRSpatialReferenceH FootprintLayer::reference_system() const {
   // Some drivers (MIF) have it at the layer only.
   if (field_ == 0) return OGR_L_GetSpatialRef(layer_);
   return OGR_GFld_GetSpatialRef(OGR_FD_GetGeomFieldDefn(OGR_L_GetLayerDefn(layer_), field_));
-}
-
-FootprintLayer::~FootprintLayer() {
-  if (selected_ != nullptr) GDALDatasetReleaseResultSet(dataset_, selected_);
 }
 
 std::vector<VectorLayer> list_layers(const fs::path& path) {

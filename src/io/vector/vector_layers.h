@@ -12,27 +12,20 @@ namespace tetropolis {
 class FootprintLayer {
  public:
   /// `wanted`: its name, or empty for the only one with polygons. A lone layer of points or lines
-  /// is taken all the same: its features go into the account. Of OpenStreetMap's own formats it is
-  /// the buildings. Throws Error(kInput) that lists the layers if there is none, or several.
+  /// is taken all the same: its features go into the account. Throws Error(kInput) that lists the
+  /// layers if there is none, or several.
   FootprintLayer(const std::filesystem::path& path, GDALDatasetH dataset,
                  const std::string& wanted);
-  ~FootprintLayer();
-  FootprintLayer(const FootprintLayer&) = delete;
-  FootprintLayer& operator=(const FootprintLayer&) = delete;
 
   OGRLayerH get() const { return layer_; }
   OGRGeometryH geometry_of(OGRFeatureH feature) const {
     return OGR_F_GetGeomFieldRef(feature, field_);
   }
-  /// Whether it is a query for OpenStreetMap's buildings.
-  bool is_of_osm() const { return selected_ != nullptr; }
   /// Null if the layer states none.
   OGRSpatialReferenceH reference_system() const;
 
  private:
-  GDALDatasetH dataset_;
-  OGRLayerH selected_ = nullptr;  // made by a query
-  OGRLayerH layer_ = nullptr;
+  OGRLayerH layer_;
   int field_ = 0;  // of its geometries
 };
 

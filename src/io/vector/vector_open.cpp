@@ -194,9 +194,6 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors, bo
     else
       options.SetNameValue("IMMUTABLE", "YES");
   }
-  // JOSM numbers what is new below 0, and nodes not in ascending order.
-  const bool packed = lower_case(path.extension().string()) == ".pbf";
-  const CPLConfigOptionSetter any_order("OSM_USE_CUSTOM_INDEXING", packed ? "YES" : "NO", false);
   file.dataset.reset(GDALOpenEx(name.c_str(), GDAL_OF_VECTOR | GDAL_OF_VERBOSE_ERROR, nullptr,
                                 options.List(), nullptr));
   if (file.dataset == nullptr && lower_case(path.extension().string()).ends_with("parquet"))

@@ -20,6 +20,7 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/crs/crs.h"
 #include "tetropolis/io/crs/datum.h"
+#include "tetropolis/io/crs/metric_crs.h"
 #include "tetropolis/io/vector/vector.h"
 
 #include "core/foreign_code.h"
@@ -105,13 +106,38 @@ PlanUnits units_of(OGRSpatialReferenceH srs, const std::string& source_crs) {
   return {is_north_first(srs), length, length};
 }
 
+/// Whether a file that says degrees holds numbers that are none, other than a few broken ones.
+class DegreesCheck {
+ public:
+  explicit DegreesCheck(bool geojson) {
+    // RFC 7946 allows -180 to 180, which some exceed a little at that meridian; elsewhere 0 to 360
+    // is in use too.
+    const double limit = geojson ? 181.0 : 360.0;
+    globe_ = {-limit, -90, limit, 90};
+  }
+  void add(const Bounds2& box) {
+    constexpr double kWidest = 0.5;  // degrees: no building is so wide, but many are so many metres
+    all_.extend(box);
+    ++count_;
+    if (!globe_.covers(box)) ++outside_;
+    if (!globe_.covers(box) || std::max(box.width(), box.height()) > kWidest) ++others_;
+  }
+  bool are_none() const { return outside_ > 0 && 2 * others_ > count_; }
+  const Bounds2& bounds() const { return all_; }
+
+ private:
+  Bounds2 globe_;
+  Bounds2 all_ = Bounds2::nothing();
+  std::size_t count_ = 0, outside_ = 0, others_ = 0;
+};
+
 /// Reads all features of one layer.
 class LayerReader {
  public:
-  /// `shells_by_turn`: the format tells shells from holes by their turn.
+  /// `box`: where features matter, in the layer's coordinates; empty: everywhere.
   LayerReader(const fs::path& path, const FootprintLayer& source,
-              const ReadFootprintsOptions& options, FootprintsInput& result, bool shells_by_turn,
-              bool is_osm)
+              const ReadFootprintsOptions& options, const VectorFile& file, const Bounds2& box,
+              FootprintsInput& result)
       : path_(path),
         source_(source),
         layer_(source.get()),
@@ -122,10 +148,12 @@ class LayerReader {
         attributes_(layer_, options.attributes, result.attributes),
         id_name_(options.id_attribute),
         units_(units_of(source.reference_system(), options.source_crs)),
-        shells_by_turn_(shells_by_turn),
+        shells_by_turn_(is_of_format(file.dataset.get(), "ESRI Shapefile")),
+        box_(box),
+        degrees_(is_of_format(file.dataset.get(), "GeoJSON")),
         result_(result),
         marks_(layer_) {
-    if (!is_osm && !source.is_of_osm()) return;
+    if (!file.is_osm) return;
     OGRFeatureDefnH columns = OGR_L_GetLayerDefn(layer_);
     osm_relation_ = OGR_FD_GetFieldIndex(columns, "osm_id");
     osm_way_ = OGR_FD_GetFieldIndex(columns, "osm_way_id");
@@ -184,6 +212,9 @@ class LayerReader {
            fmt::format("{} outlines are dropped, as their parts stand for them", outlined));
   }
 
+  /// What all features say of degrees.
+  const DegreesCheck& degrees() const { return degrees_; }
+
   /// Of what was read with errors.
   void warn_of_errors(std::int64_t count, const std::string& first) {
     warn("footprints_read_errors", count,
@@ -212,6 +243,16 @@ class LayerReader {
     result_.dropped.push_back({{std::move(id), std::move(reason), cause}, row});
   }
 
+  /// A country has more of them than anybody wants to be told.
+  void drop_beyond(const std::string& id) {
+    constexpr std::int64_t kMostListed = 100'000;
+    if (beyond_ < kMostListed)
+      drop(ids_.unique(id), kOutsideReason, -1, DropCause::kOutside);
+    else
+      ++result_.unlisted;
+    ++beyond_;
+  }
+
   /// "way/7", "relation/3"; else the feature number.
   std::string number_of(OGRFeatureH feature) const {
     for (const auto& [kind, field] :
@@ -221,11 +262,29 @@ class LayerReader {
     return std::to_string(OGR_F_GetFID(feature));
   }
 
+  /// Empty without geometry.
+  Bounds2 box_of(OGRGeometryH geometry) const {
+    if (geometry == nullptr || OGR_G_IsEmpty(geometry) != 0) return Bounds2::nothing();
+    OGREnvelope box;
+    OGR_G_GetEnvelope(geometry, &box);
+    if (units_.north_first) return {box.MinY, box.MinX, box.MaxY, box.MaxX};
+    return {box.MinX, box.MinY, box.MaxX, box.MaxY};
+  }
+
   void add(OGRFeatureH feature) {
     const std::string id = feature_id(feature);
+    const OGRGeometryH geometry = source_.geometry_of(feature);
+    if (const Bounds2 box = box_of(geometry); !box.empty()) {
+      degrees_.add(box);
+      if (!box_.empty() && !box.intersects(box_)) {
+        heights_.read(feature, id);
+        drop_beyond(id);
+        return;
+      }
+    }
     const std::int64_t row = result_.attributes.empty() ? -1 : rows_++;
     attributes_.read(feature);
-    FlatGeometry flat = flatten(source_.geometry_of(feature), units_);
+    FlatGeometry flat = flatten(geometry, units_);
     if (flat.is_body)
       ++bodies_;
     else if (shells_by_turn_)
@@ -312,9 +371,12 @@ class LayerReader {
   std::int64_t rows_ = 0;  ///< Of the attributes.
   std::string id_name_;
   PlanUnits units_;
-  bool shells_by_turn_;
+  bool shells_by_turn_;  ///< The format tells shells from holes by their turn.
+  Bounds2 box_;
+  DegreesCheck degrees_;
   FootprintsInput& result_;
   UniqueIds ids_;
+  std::int64_t beyond_ = 0;
   std::int64_t without_id_ = 0;
   std::int64_t mixed_ = 0;
   std::int64_t courtyards_ = 0;
@@ -334,32 +396,9 @@ Bounds2 bounds_of(std::vector<Footprint>& features) {
   return box;
 }
 
-/// Whether a file that says degrees holds numbers that are none, other than a few broken ones.
-bool implausible_degrees(const std::string& crs, const std::vector<Footprint>& features,
-                         bool geojson) {
-  if (crs.empty() || !is_geographic(crs)) return false;
-  // RFC 7946 allows -180 to 180, which some exceed a little at that meridian; elsewhere 0 to 360 is
-  // in use too.
-  const double limit = geojson ? 181.0 : 360.0;
-  const Bounds2 globe{-limit, -90, limit, 90};
-  constexpr double kWidest = 0.5;  // degrees: no building is so wide, but many are so many metres
-  std::size_t outside = 0, others = 0, all = 0;
-  for (const Footprint& feature : features) {
-    Bounds2 box = Bounds2::nothing();
-    for (const Point2& p : feature.polygon.outer) box.extend(p);
-    if (box.empty()) continue;
-    ++all;
-    if (!globe.covers(box)) ++outside;
-    if (!globe.covers(box) || std::max(box.width(), box.height()) > kWidest) ++others;
-  }
-  return outside > 0 && 2 * others > all;
-}
-
-void settle_crs(const fs::path& path, const ReadFootprintsOptions& options, bool geojson,
+void settle_crs(const fs::path& path, const ReadFootprintsOptions& options, bool is_implausible,
                 FootprintsInput& result) {
-  if (!options.source_crs.empty()) {
-    result.crs = normalise_crs(options.source_crs);
-  } else if (implausible_degrees(result.crs, result.features, geojson)) {
+  if (is_implausible) {
     result.warnings.push_back(
         {"footprints_crs_implausible", 1,
          fmt::format(
@@ -378,6 +417,17 @@ void settle_crs(const fs::path& path, const ReadFootprintsOptions& options, bool
                                          : fmt::format(": taken from the points ({}); if it is "
                                                        "another, name it with footprints_crs",
                                                        crs_name(options.target_crs)))});
+}
+
+/// Where features matter, in the coordinates of `crs`; empty: everywhere.
+Bounds2 box_to_read(const ReadFootprintsOptions& options, const std::string& crs) {
+  if (options.within.empty() || crs.empty()) return Bounds2::nothing();
+  constexpr double kMargin = 100;  // metres: sides bend on their way to another system
+  const Bounds2 box = options.within.grown(kMargin);
+  if (!options.within_crs.empty())
+    return reproject_box(box, normalise_crs(options.within_crs), crs);
+  const bool in_metres = is_metre(linear_unit_metres(crs)) && is_true_to_scale(crs, box);
+  return in_metres ? box : Bounds2::nothing();
 }
 
 /// Where the accurate way to another datum needs a grid that is not there.
@@ -455,8 +505,10 @@ FootprintsInput read_open_vector(const fs::path& path, const VectorFile& file,
   FootprintsInput result;
   result.source = path.string();
   result.layer = gdal::utf8(OGR_L_GetName(source.get()));
-  LayerReader reader(path, source, options, result,
-                     is_of_format(file.dataset.get(), "ESRI Shapefile"), file.is_osm);
+  result.crs = options.source_crs.empty() ? gdal::canonical_name(source.reference_system(), target)
+                                          : normalise_crs(options.source_crs);
+  const Bounds2 box = box_to_read(options, result.crs);
+  LayerReader reader(path, source, options, file, box, result);
   reader.read(errors, is_of_format(file.dataset.get(), "FlatGeobuf"),
               drops_geometries(file.dataset.get()));
   reader.account_for_osm(file);
@@ -466,9 +518,15 @@ FootprintsInput read_open_vector(const fs::path& path, const VectorFile& file,
     reader.warn_of_errors(file.opening_errors, file.first_error);
   if (const std::string why = why_incomplete(path); !why.empty())
     result.warnings.push_back({"footprints_fewer", 1, one_line(path.string() + ": " + why)});
+  const bool is_implausible = options.source_crs.empty() && !result.crs.empty() &&
+                              is_geographic(result.crs) && reader.degrees().are_none();
+  if (is_implausible && !box.empty()) {
+    ReadFootprintsOptions everywhere = options;
+    everywhere.within = Bounds2::nothing();
+    return read_open_vector(path, file, errors, everywhere);
+  }
   result.bounds = bounds_of(result.features);
-  result.crs = gdal::canonical_name(source.reference_system(), target);
-  settle_crs(path, options, is_of_format(file.dataset.get(), "GeoJSON"), result);
+  settle_crs(path, options, is_implausible, result);
   if (!target.empty() && !result.crs.empty()) reproject_footprints(result, target);
   return result;
 }

@@ -221,6 +221,118 @@ TEST(Vector, ReprojectsToTheCloudsSystem) {
   EXPECT_EQ(same.bounds, read_footprints(delft).bounds);
 }
 
+/// Without rings: whether the box of a feature meets another.
+Bounds2 box_of(const Footprint& feature) {
+  Bounds2 box = Bounds2::nothing();
+  for (const Point2& p : feature.polygon.outer) box.extend(p);
+  return box;
+}
+
+TEST(Vector, OfFeaturesBeyondABoxTheIdsAreRead) {
+  TETROPOLIS_REQUIRE_DATA(path, "amsterdam_south/footprints.gpkg");
+  ReadFootprintsOptions options;
+  options.attributes = true;
+  const FootprintsInput all = read_footprints(path, options);
+  const Point2 middle{(all.bounds.xmin + all.bounds.xmax) / 2,
+                      (all.bounds.ymin + all.bounds.ymax) / 2};
+  options.within = {all.bounds.xmin, all.bounds.ymin, middle.x - 100, middle.y - 100};
+  const FootprintsInput near = read_footprints(path, options);
+  check_account(near);
+  EXPECT_EQ(near.features_read, all.features_read);
+  EXPECT_EQ(near.unlisted, 0);
+  const Bounds2 kept = options.within.grown(100);
+  std::size_t next = 0;
+  std::set<std::string> beyond;
+  for (const UnusableFootprint& dropped : near.dropped) {
+    EXPECT_EQ(dropped.cause, DropCause::kOutside);
+    EXPECT_EQ(dropped.reason, "outside the domain");
+    EXPECT_EQ(dropped.feature, -1);
+    beyond.insert(dropped.source_id);
+  }
+  for (const Footprint& feature : all.features) {
+    EXPECT_EQ(beyond.contains(feature.source_id), !box_of(feature).intersects(kept));
+    if (!box_of(feature).intersects(kept)) continue;
+    ASSERT_LT(next, near.features.size());
+    const Footprint& same = near.features[next++];
+    EXPECT_EQ(same.source_id, feature.source_id);
+    EXPECT_EQ(same.polygon.outer, feature.polygon.outer);
+    ASSERT_EQ(near.attributes.size(), all.attributes.size());
+    for (std::size_t c = 0; c < all.attributes.size(); ++c) {
+      const auto row = static_cast<std::size_t>(feature.feature);
+      const auto own = static_cast<std::size_t>(same.feature);
+      ASSERT_EQ(near.attributes[c].known[own], all.attributes[c].known[row]);
+      std::visit(
+          [&](const auto& values) {
+            EXPECT_EQ(std::get<std::decay_t<decltype(values)>>(near.attributes[c].values)[own],
+                      values[row]);
+          },
+          all.attributes[c].values);
+    }
+  }
+  EXPECT_EQ(next, near.features.size());
+  EXPECT_GT(beyond.size(), 100U);
+  EXPECT_GT(next, 50U);
+}
+
+TEST(Vector, ABoxInAnotherSystemKeepsWhatIsInIt) {
+  TETROPOLIS_REQUIRE_DATA(path, "alexandria_dsm_dtm/buildings_wgs84.geojson");
+  ReadFootprintsOptions options;
+  options.target_crs = "EPSG:26918";
+  const FootprintsInput all = read_footprints(path, options);
+  const double x = all.bounds.xmin, y = all.bounds.ymin;
+  options.within = {x - 50, y - 50, x + 40, y + 40};
+  options.within_crs = options.target_crs;
+  const FootprintsInput near = read_footprints(path, options);
+  check_account(near);
+  std::set<std::string> kept;
+  for (const Footprint& feature : near.features) {
+    kept.insert(feature.source_id);
+    EXPECT_TRUE(box_of(feature).intersects(options.within.grown(200))) << feature.source_id;
+  }
+  EXPECT_LT(kept.size(), all.features.size());
+  std::size_t inside = 0;
+  for (const Footprint& feature : all.features)
+    if (box_of(feature).intersects(options.within)) {
+      ++inside;
+      EXPECT_TRUE(kept.contains(feature.source_id)) << feature.source_id;
+    }
+  EXPECT_GT(inside, 0U);
+}
+
+TEST(Vector, ABoxDoesNotMatterWhereCoordinatesMayBeAnything) {
+  const TemporaryFolder folder;
+  const auto square = [](double x) {
+    return fmt::format(
+        R"({{"type":"Feature","properties":{{}},"geometry":{{"type":"Polygon","coordinates":[[[{0},0],[{1},0],[{1},9],[{0},9],[{0},0]]]}}}})",
+        x, x + 9);
+  };
+  const auto read = [&](const std::string& crs, const std::string& within_crs) {
+    ReadFootprintsOptions options;
+    options.within = {1000, 0, 2000, 100};
+    options.within_crs = within_crs;
+    return read_footprints(
+        write_text(folder / "a.geojson",
+                   fmt::format(R"({{"type":"FeatureCollection",{}"features":[{},{}]}})", crs,
+                               square(1500), square(1e5))),
+        options);
+  };
+  const auto named = [](const char* code) {
+    return fmt::format(R"("crs":{{"type":"name","properties":{{"name":"{}"}}}},)", code);
+  };
+  // Metres in a file that says degrees; a system in which a unit is no metre; none.
+  EXPECT_EQ(read("", "EPSG:28992").features.size(), 2U);
+  EXPECT_EQ(read(named("EPSG:2263"), "").features.size(), 2U);
+  EXPECT_EQ(read(named("EPSG:28992"), "").features.size(), 1U);
+  EXPECT_EQ(read(named("EPSG:28992"), "EPSG:28992").features.size(), 1U);
+  const fs::path shapes = folder / "a.shp";
+  const std::vector<Polygon> polygons{Polygon{{{0, 0}, {9, 0}, {9, 9}}, {}}};
+  write_footprints(shapes, polygons, std::vector<std::string>{"far"}, {}, {}, "");
+  ReadFootprintsOptions options;
+  options.within = {1000, 0, 2000, 100};
+  options.within_crs = "EPSG:28992";
+  EXPECT_EQ(read_footprints(shapes, options).features.size(), 1U);
+}
+
 TEST(Vector, IdsAndHeightsComeFromAttributes) {
   TETROPOLIS_REQUIRE_DATA(bielefeld, "bielefeld_lod1_east/footprints.shp");
   ReadFootprintsOptions options;
@@ -1233,6 +1345,9 @@ TEST(Vector, OfOpenStreetMapOnlyBuildingsAreRead) {
   }
   EXPECT_EQ(ids, (std::set<std::string>{"3", "7"}));
   EXPECT_EQ(input.features_read, 2);
+  // As the server calls it.
+  fs::copy_file(path, folder / "map");
+  EXPECT_EQ(read_footprints(folder / "map", options).features.size(), 2U);
 }
 
 TEST(Vector, AttributesOfSeveralFilesStayWithTheirFeatures) {

@@ -63,4 +63,9 @@ bool same_horizontal_crs(const std::string& a, const std::string& b);
 std::vector<Point2> reproject(std::span<const Point2> points, const std::string& from,
                               const std::string& to);
 
+/// The box around a box in another system, by a grid of points in it: sides that bend may lie
+/// outside by a little. The box itself where the systems are the same or one is unknown; empty if
+/// none of its points can be transformed. Errors: as for points.
+Bounds2 reproject_box(const Bounds2& box, const std::string& from, const std::string& to);
+
 }  // namespace tetropolis

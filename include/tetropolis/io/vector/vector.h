@@ -29,6 +29,10 @@ struct ReadFootprintsOptions {
   std::string source_crs = {};  ///< What the coordinates are in, whatever the file says; empty:
                                 ///< what the file says.
   std::string target_crs = {};  ///< Reproject to this; empty: leave as they are.
+  Bounds2 within = Bounds2::nothing();  ///< Features beyond it (by more than a margin) are dropped
+                                        ///< as outside the domain; of them ids are read, and what
+                                        ///< they state of heights. Empty: all are read.
+  std::string within_crs = {};  ///< Of `within`; empty: that of the file, if it is in metres.
   bool attributes = false;      ///< Keep all attributes of the features.
 };
 
@@ -70,6 +74,8 @@ struct FootprintsInput {
   std::string source = "footprints";        ///< What messages call them: the path that was read.
   std::vector<Footprint> features;          ///< In the order of the file, parts of outlines last.
   std::vector<UnusableFootprint> dropped;   ///< Features and parts that are no footprint, and why.
+  std::int64_t unlisted = 0;                ///< Features beyond ReadFootprintsOptions::within that
+                                            ///< are not in `dropped`: it has the first 100,000.
   std::vector<AttributeColumn> attributes;  ///< In the order of the file, if asked for. Binary ones
                                             ///< are left out, lists are text.
   std::int64_t features_read = 0;       ///< Features of the file, before multipolygons are split.
@@ -103,6 +109,10 @@ struct FootprintsInput {
 ///
 /// Of OpenStreetMap's own formats only areas tagged as buildings are features; the attribute of
 /// heights may be any of their tags.
+///
+/// `within` has no effect on files of unknown system, or of another than they say, and on city
+/// models. A feature beyond it has one entry in `dropped` (DropCause::kOutside, no row), whatever
+/// polygons it is made of; after 100,000 of them they are counted only.
 ///
 /// Z and M are ignored, curves become chords of 4 degrees. Null, empty and other geometries are
 /// dropped. Reprojection happens if the file's system and target_crs are both known and differ.

@@ -16,6 +16,7 @@
 
 #include "core/text.h"
 #include "io/file/input_file.h"
+#include "io/vector/polygon_geometry.h"
 #include "osm_elements.h"
 
 namespace tetropolis {
@@ -240,12 +241,8 @@ class Writer {
     if (!others.empty())
       OGR_F_SetFieldString(feature.get(), static_cast<int>(kColumns.size()), others.c_str());
     OGRGeometryH geometry = OGR_G_CreateGeometry(wkbMultiPolygon);
-    for (const Polygon& polygon : polygons) {
-      OGRGeometryH part = OGR_G_CreateGeometry(wkbPolygon);
-      add_ring(part, polygon.outer);
-      for (const Ring& hole : polygon.holes) add_ring(part, hole);
-      OGR_G_AddGeometryDirectly(geometry, part);
-    }
+    for (const Polygon& polygon : polygons)
+      OGR_G_AddGeometryDirectly(geometry, polygon_geometry(polygon));
     OGR_F_SetGeometryDirectly(feature.get(), geometry);
     if (OGR_L_CreateFeature(layer_, feature.get()) != OGRERR_NONE)
       fail_input(path_, name_of(element) + ": GDAL cannot hold it in memory");
@@ -264,12 +261,6 @@ class Writer {
       result += c;
     }
     return result;
-  }
-  static void add_ring(OGRGeometryH polygon, const Ring& ring) {
-    OGRGeometryH line = OGR_G_CreateGeometry(wkbLinearRing);
-    for (const Point2 p : ring) OGR_G_AddPoint_2D(line, p.x, p.y);
-    if (!ring.empty()) OGR_G_AddPoint_2D(line, ring.front().x, ring.front().y);
-    OGR_G_AddGeometryDirectly(polygon, line);
   }
 
   const fs::path& path_;

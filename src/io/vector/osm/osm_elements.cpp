@@ -131,11 +131,12 @@ std::size_t OsmBytes::read(char* data, std::size_t size) {
 bool is_osm_file(const fs::path& path) {
   for (const std::string_view ending : {".osm", ".osm.gz", ".osm.bz2", ".pbf"})
     if (ends_with(path, ending)) return true;
-  if (ends_with(path, ".xml")) {
-    const std::string block = first_block(path);
-    return block.find("<osm") != std::string::npos && block.find("<osmChange") == std::string::npos;
-  }
-  return is_overpass_json(path);
+  if (is_overpass_json(path)) return true;
+  // The server's own name for them is "map".
+  const std::string block = first_block(path);
+  const bool is_xml = block.starts_with("<?xml") || block.starts_with("<osm");
+  const auto has = [&](const char* text) { return block.find(text) != std::string::npos; };
+  return is_xml && (has("<osm ") || has("<osm>"));
 }
 
 void read_osm(const fs::path& path, OsmKind kind, const OsmVisit& visit) {
