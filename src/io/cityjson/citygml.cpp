@@ -7,6 +7,7 @@
 #include <fstream>
 #include <map>
 #include <set>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -15,6 +16,7 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/io/crs/crs.h"
+#include "tetropolis/io/crs/geo_place.h"
 
 #include "io/crs/gdal_support.h"
 #include "io/file/input_file.h"
@@ -244,6 +246,18 @@ bool is_north_first(const std::string& srs) {
   return towards == OAO_North;
 }
 
+/// Whether points lie where their system is used only with the easting first: 3DCityDB writes what
+/// is in its database, whatever the name of the system means.
+bool lie_east_first(const std::string& crs, std::span<const Point3> points) {
+  Bounds2 box = Bounds2::nothing();
+  for (const Point3& p : points) box.extend(Point2{p[0], p[1]});
+  const auto is_used = [&](const Bounds2& where) {
+    const auto place = place_of(crs, where);
+    return place && place->is_in_area;
+  };
+  return is_used(box) && !is_used({box.ymin, box.xmin, box.ymax, box.xmax});
+}
+
 /// All coordinates of all polygons.
 template <typename Visit>
 void for_each_point(std::vector<GmlObject>& objects, const Visit& visit) {
@@ -255,7 +269,7 @@ void for_each_point(std::vector<GmlObject>& objects, const Visit& visit) {
 
 /// Puts coordinates into a system in metres, x first; no system if nobody says which.
 ModelMetres settle_system(const fs::path& path, const std::string& srs,
-                          std::vector<GmlObject>& objects) {
+                          std::vector<GmlObject>& objects, ModelDocument& document) {
   gdal::initialise();
   std::string crs = german_system(srs);
   if (crs.empty() && !srs.empty()) {
@@ -271,8 +285,11 @@ ModelMetres settle_system(const fs::path& path, const std::string& srs,
   for_each_point(objects, [&](Point3& p) { points.push_back(p); });
   {
     const gdal::QuietErrors errors;
-    if (is_north_first(srs))
-      for (Point3& p : points) std::swap(p[0], p[1]);
+    if (is_north_first(srs)) {
+      document.is_east_first = lie_east_first(crs, points);
+      if (!document.is_east_first)
+        for (Point3& p : points) std::swap(p[0], p[1]);
+    }
   }
   ModelMetres metres = put_into_metres(path, srs, crs, points);
   std::size_t next = 0;
@@ -397,13 +414,13 @@ ModelDocument read_citygml(const fs::path& path) {
       if (const auto named = reader.semantics_of.find(polygon.id);
           polygon.semantics.empty() && !polygon.id.empty() && named != reader.semantics_of.end())
         polygon.semantics = named->second;
-  const ModelMetres metres = settle_system(path, reader.srs, objects);
+  ModelDocument document;
+  const ModelMetres metres = settle_system(path, reader.srs, objects, document);
   Bounds2 box = Bounds2::nothing();
   for_each_point(objects, [&](Point3& p) { box.extend(Point2{p[0], p[1]}); });
   std::array<double, 3> translate{};
   if (!box.empty()) translate = {std::floor(box.xmin), std::floor(box.ymin), 0};
   JsonWriter writer(translate);
-  ModelDocument document;
   Json list = Json::object();
   std::set<std::string> taken;
   std::size_t number = 0;

@@ -17,6 +17,7 @@ struct ModelDocument {
   Json root;
   std::vector<std::string> keys;
   std::vector<std::string> without_height;  ///< Outlines that state none: raised by 6 m.
+  bool is_east_first = false;  ///< Though the name of its system means the northing first.
   double height_unit = 1;  ///< Metres per unit of the heights in the file; they are metres here.
 };
 

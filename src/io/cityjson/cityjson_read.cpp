@@ -605,6 +605,11 @@ CityModel read_city(const fs::path& path, std::vector<Warning>* warnings, Broken
            fmt::format("{}: heights are in units of {:.10g} m, as its coordinates or its vertical "
                        "system are, and are converted to metres",
                        path.string(), height_unit)});
+    if (document.is_east_first)
+      warnings->push_back(
+          {"model_axes", 1,
+           path.string() + ": coordinates have the easting first, as only so they lie where their "
+                           "system is used; its name means the northing first"});
     if (const auto& guessed = document.without_height; !guessed.empty())
       warnings->push_back(
           {"city_heights_unknown", static_cast<std::int64_t>(guessed.size()),

@@ -996,6 +996,37 @@ TEST(CityJson, HeightsOfCityGmlAreReadInBothVersions) {
   }
 }
 
+/// Of Stuttgart, where the northing is no easting.
+TEST(CityJson, EastingsFirstAreToldByWhereTheSystemIsUsed) {
+  const TemporaryFolder folder;
+  for (const bool is_east_first : {false, true}) {
+    std::string places;
+    for (const auto& [x, y] : {std::pair{0, 0}, {20, 0}, {20, 10}, {0, 10}, {0, 0}}) {
+      const int east = 3'512'345 + x, north = 5'403'210 + y;
+      places += fmt::format("{} {} 5 ", is_east_first ? east : north, is_east_first ? north : east);
+    }
+    const std::string text =
+        "<?xml version=\"1.0\"?><CityModel xmlns:gml=\"http://www.opengis.net/gml\" "
+        "xmlns:bldg=\"http://www.opengis.net/citygml/building/2.0\"><gml:boundedBy><gml:Envelope "
+        "srsName=\"urn:ogc:def:crs,crs:EPSG::31467,crs:EPSG::5783\"/></gml:boundedBy>"
+        "<bldg:Building gml:id=\"b\"><bldg:measuredHeight>9</bldg:measuredHeight>"
+        "<bldg:lod0FootPrint><gml:MultiSurface><gml:surfaceMember><gml:Polygon><gml:exterior>"
+        "<gml:LinearRing><gml:posList>" +
+        places +
+        "</gml:posList></gml:LinearRing></gml:exterior></gml:Polygon></gml:surfaceMember>"
+        "</gml:MultiSurface></bldg:lod0FootPrint></bldg:Building></CityModel>";
+    std::vector<Warning> warnings;
+    const CityModel model = read_city(write_text(folder / "a.gml", text), &warnings);
+    ASSERT_EQ(model.buildings.size(), 1U);
+    EXPECT_EQ(model.crs, "EPSG:31467");
+    EXPECT_EQ(bounds(model.buildings[0].footprint).moved(model.origin),
+              (Bounds2{3'512'345, 5'403'210, 3'512'365, 5'403'220}));
+    EXPECT_EQ(std::any_of(warnings.begin(), warnings.end(),
+                          [](const Warning& w) { return w.code == "model_axes"; }),
+              is_east_first);
+  }
+}
+
 TEST(CityJson, FilesInNumbersOfTheirReferenceSystemHaveAnOriginNearby) {
   const TemporaryFolder folder;
   Json file = Json::parse(kTwoParts);

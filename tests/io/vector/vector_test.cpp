@@ -1039,6 +1039,15 @@ TEST(Vector, GeodatabasesInArchives) {
   EXPECT_EQ(read_footprints(folder / "B.GDB").features.size(), 1U);
 }
 
+TEST(Vector, FoldersOfTilesMayHoldCityModels) {
+  const TemporaryFolder folder;
+  for (const char* name : {"1.city.json", "2.city.jsonl", "3.gml", "notes.json"})
+    write_text(folder / name, "{}");
+  const auto paths = expand_paths(std::vector<std::string>{folder.path().string()}, kVectorFiles);
+  EXPECT_EQ(paths, (std::vector<fs::path>{folder / "1.city.json", folder / "2.city.jsonl",
+                                          folder / "3.gml"}));
+}
+
 /// `out geom` of the Overpass API: members of relations have their places, and no way is a file's.
 TEST(Vector, OverpassMayGiveThePlacesOfMembersAlone) {
   const TemporaryFolder folder;
