@@ -396,6 +396,7 @@ HeightSources make_raw_city(const BuildCityOptions& options, CityInput& input, S
   raw.dropped = std::move(clean.dropped);
   if (raw.buildings.empty() && !options.terrain_only)
     throw_no_footprint(raw, input.footprints.source);
+  warn_of_country(raw, options, result.warnings);
   warn_of_giants(raw, result.warnings);
   if (!input.has_points()) state_heights(options, raw, clean.basis);
   const PointCloud& cloud = input.points.points;

@@ -97,6 +97,22 @@ void warn_of_boundary(const CleanFeatures& clean, std::vector<Warning>& warnings
            100 * clean.area_lost / clean.area)});
 }
 
+void warn_of_country(const CityModel& raw, const BuildCityOptions& options,
+                     std::vector<Warning>& warnings) {
+  constexpr std::int64_t kMany = 100'000;
+  if (options.bounds) return;
+  const auto outside = std::count_if(raw.dropped.begin(), raw.dropped.end(), [](const Dropped& d) {
+    return d.cause == DropCause::kOutside;
+  });
+  if (outside <= kMany) return;
+  const Bounds2 box = raw.domain.moved(raw.origin).bounds();
+  warnings.push_back(
+      {"footprints_outside", outside,
+       fmt::format("footprints outside the domain were read whole and are listed one by one; with "
+                   "`bounds` = {:.10g},{:.10g},{:.10g},{:.10g} that takes less time and memory",
+                   box.xmin, box.ymin, box.xmax, box.ymax)});
+}
+
 void warn_of_giants(const CityModel& raw, std::vector<Warning>& warnings) {
   constexpr double kMost = 0.5;
   const double domain = raw.domain.area();

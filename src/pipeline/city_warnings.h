@@ -28,6 +28,10 @@ void warn_off_terrain(const CityInput& input, const Raster& terrain,
 /// Of footprints dropped at the domain's boundary that are more than 5 % of the area in it.
 void warn_of_boundary(const CleanFeatures& clean, std::vector<Warning>& warnings);
 
+/// Of a country's footprints around a city, where nobody has said which box is wanted.
+void warn_of_country(const CityModel& raw, const BuildCityOptions& options,
+                     std::vector<Warning>& warnings);
+
 /// A polygon that covers most of the domain is hardly a building, and swallows those in it.
 void warn_of_giants(const CityModel& raw, std::vector<Warning>& warnings);
 

@@ -897,6 +897,20 @@ TEST_F(Build, OfACountryAroundACityOnlyTheNumberIsKept) {
           accounted || fact == fmt::format("all {} input features accounted for", polygons.size());
   }
   EXPECT_TRUE(accounted);
+  // Who gives no bounds is told of them.
+  config.bounds.clear();
+  const Report whole = run_build(config);
+  const auto told =
+      std::find_if(whole.warnings.begin(), whole.warnings.end(),
+                   [](const Warning& warning) { return warning.code == "footprints_outside"; });
+  ASSERT_NE(told, whole.warnings.end());
+  EXPECT_EQ(told->count, kListed + kMore);
+  EXPECT_EQ(whole.city->account.unlisted, 0);
+  EXPECT_NE(
+      told->message.find(fmt::format("{:.10g},{:.10g}", whole.domain.xmin, whole.domain.ymin)),
+      std::string::npos)
+      << told->message;
+  for (const Warning& warning : report.warnings) EXPECT_NE(warning.code, "footprints_outside");
 }
 
 TEST_F(Build, ClippedBuildingsStayClearOfTheBoundary) {
