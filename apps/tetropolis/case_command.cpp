@@ -100,9 +100,9 @@ void tell(const CaseArguments& arguments, const std::vector<OpenfoamCase>& cases
         made.shallow, made.ground_faces, kRoughnessLengths));
   if (made.ground_faces > 0 && 2 * made.first_cell > options.sample_height)
     console.line(fmt::format(
-        "note     {} m above the ground is in the first two cells, where the wall function rules: "
-        "cells lower than {:.2f} m would resolve the wind there (a smaller --mesh-size, or "
-        "--boundary-layers)",
+        "note     {} m above the ground is in the first two cells, where speeds come out too low "
+        "(by half in cells of 4 m): cells lower than {:.2f} m would resolve the wind there "
+        "(--boundary-layers, or a smaller --mesh-size)",
         options.sample_height, options.sample_height / 2));
   if (std::any_of(cases.begin(), cases.end(), [](const OpenfoamCase& one) {
         return std::any_of(one.sides.begin(), one.sides.end(), is_of_other_wind);

@@ -179,19 +179,27 @@ auto member(Number Building::*which) {
   };
 }
 
+/// By NumPy's kinds of types.
+AttributeType type_of_kind(const std::string& kind) {
+  if (kind == "b") return AttributeType::kBoolean;
+  if (kind == "i" || kind == "u") return AttributeType::kInteger;
+  return kind == "f" ? AttributeType::kReal : AttributeType::kText;
+}
+
 void bind_input(nb::module_& module) {
   nb::class_<FootprintTable>(module, "FootprintTable", "Footprints in memory: WKB and attributes.")
       .def(
           "__init__",
-          [](FootprintTable* self, const std::vector<nb::bytes>& wkb, Text ids, Text heights,
-             std::string crs) {
+          [](FootprintTable* self, const std::vector<nb::bytes>& wkb, Text ids,
+             std::vector<std::tuple<std::string, std::string, Text>> columns, std::string crs) {
             new (self) FootprintTable();
             for (const nb::bytes& bytes : wkb) self->wkb.emplace_back(bytes.c_str(), bytes.size());
             self->ids = std::move(ids);
-            self->heights = std::move(heights);
+            for (auto& [name, kind, values] : columns)
+              self->columns.push_back({std::move(name), type_of_kind(kind), std::move(values)});
             self->crs = std::move(crs);
           },
-          nb::arg("wkb"), nb::arg("ids"), nb::arg("heights"), nb::arg("crs"));
+          nb::arg("wkb"), nb::arg("ids"), nb::arg("columns"), nb::arg("crs"));
   nb::class_<Points>(module, "Points", "Points in memory.")
       .def(
           "__init__",

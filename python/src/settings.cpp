@@ -99,12 +99,12 @@ nb::str text(std::string_view view) { return nb::str(view.data(), view.size()); 
 
 /// A value as the text that set_field takes. Numbers of NumPy and paths are what they stand for.
 std::string text_of(nb::handle value) {
-  if (nb::isinstance<nb::bool_>(value)) return nb::cast<bool>(value) ? "true" : "false";
   nb::object plain = nb::borrow(value);
   if (nb::hasattr(value, "item"))
     plain = value.attr("item")();
   else if (nb::hasattr(value, "__fspath__"))
     plain = value.attr("__fspath__")();
+  if (nb::isinstance<nb::bool_>(plain)) return nb::cast<bool>(plain) ? "true" : "false";
   return nb::str(plain).c_str();
 }
 

@@ -35,6 +35,8 @@ def test_blocks_are_the_whole(mesh):
     assert np.array_equal(np.vstack([cells for _, cells, _ in blocks]), mesh.cells)
     assert np.array_equal(np.concatenate([region for *_, region in blocks]), mesh.region)
     assert max(len(cells) for _, cells, _ in blocks) <= 1000
+    with pytest.raises(tp.UsageError, match="size: 0"):
+        next(mesh.cell_blocks(0))
 
 
 def test_boundary(mesh):
@@ -107,6 +109,7 @@ def test_terrain_is_georeferenced(city):
     x, y = a * (column + 0.5) + b * (row + 0.5) + c, d * (column + 0.5) + e * (row + 0.5) + f
     assert terrain.sample(x, y) == terrain.values[row, column]
     assert terrain.sample([x, x + terrain.step / 2], y)[1] == pytest.approx(terrain.values[row, column:column + 2].mean())
+    assert np.array_equal(np.isnan(terrain.sample([x, np.nan, x], [y, y, np.nan])), [False, True, True])
     xmin, ymin, xmax, ymax = city.domain
     assert c < xmin and f > ymax
     assert (a, e) == (terrain.step, -terrain.step)

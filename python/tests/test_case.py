@@ -1,6 +1,7 @@
 """Cases for solvers."""
 import shutil
 
+import numpy as np
 import pytest
 
 import tetropolis as tp
@@ -16,5 +17,10 @@ def test_one_wind_and_several(written, tmp_path):
     assert (tmp_path / "several/w045/0/U").read_bytes() == (tmp_path / "one/0/U").read_bytes()
     tp.case_openfoam(tmp_path / "one", wind_profile=[(2, 3, 0.5), (20, 5, 0.4)], overwrite=True)
     assert "REFERENCE = 4." in (tmp_path / "one/wind.py").read_text()
+    for given in "45", np.array(45.0):
+        assert tp.case_openfoam(tmp_path / "one", wind_speed=4, wind_from=given, overwrite=True) == one
+    for wrong in ({"wind_from": "south"}, {"patch_roughness": {"grund": 0.1}}):
+        with pytest.raises(tp.UsageError, match=r"wind_from|the ground has no patch grund; it has: ground"):
+            tp.case_openfoam(tmp_path / "one", overwrite=True, **wrong)
     with pytest.raises(tp.UsageError, match="twice"):
         tp.case_openfoam(tmp_path / "several", wind_from=[0, 360], overwrite=True)

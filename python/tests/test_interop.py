@@ -18,6 +18,11 @@ def test_pyvista(mesh):
     surface = mesh.boundary.to_pyvista()
     assert surface.is_manifold and surface.n_open_edges == 0
     assert surface.volume == pytest.approx(mesh.quality["volume"])
+    # What PyVista is told to change is its own.
+    patches, regions = set(mesh.boundary.patch), set(mesh.region)
+    grid["region"][:] = 5
+    surface["patch"][:] = surface["building"][:] = 1
+    assert set(mesh.boundary.patch) == patches and set(mesh.region) == regions and min(mesh.boundary.building) == -1
     with pytest.raises(ValueError, match="local, absolute"):
         mesh.to_pyvista("global")
 
@@ -43,6 +48,8 @@ def test_prisms_are_those_of_the_file(shared_city, settings, tmp_path):
     for theirs, own in zip(read.cell_data["region"], ours.cell_data["region"]):
         assert np.array_equal(theirs, own)
     assert np.array_equal(mesh.to_pyvista()["region"], np.concatenate(read.cell_data["region"]))
+    volumes = mesh.to_pyvista().compute_cell_sizes()["Volume"]
+    assert volumes.min() > 0 and volumes.sum() == pytest.approx(mesh.quality["volume"])
     # Layers lie on open ground; where all cells are prisms some stand over roofs.
     over_roofs = (mesh.region[len(mesh.cells):] >= 0).any()
     assert len(mesh.wedges) > 0 and over_roofs == ("cells" in settings)

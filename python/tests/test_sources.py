@@ -37,6 +37,24 @@ def test_several_files_and_a_terrain(houses, tmp_path):
     assert set(city.h_ground) == {42.5}
 
 
-def test_conditions_are_for_files(houses):
-    with pytest.raises(tp.UsageError, match="where"):
-        tp.build_city(houses, where="height > 8")
+def test_attributes_mean_what_they_mean_in_files(houses, tmp_path):
+    houses["building"] = "yes"
+    houses["building:levels"] = [4, 2, 3]
+    houses["location"] = ["underground", None, None]
+    houses["listed"] = [True, False, True]
+    houses.to_file(tmp_path / "houses.gpkg")
+    for settings in ({}, {"where": "\"building:levels\" > 2"}, {"floors_attribute": "building:levels"}):
+        with pytest.warns(UserWarning):
+            frame, file = (tp.build_city(of, **settings) for of in (houses, tmp_path / "houses.gpkg"))
+        assert heights(frame) == heights(file) and len(frame.dropped) == len(file.dropped), settings
+        assert list(frame.dropped["reason"]) == list(file.dropped["reason"])
+
+
+def test_lists_of_files_and_systems_of_arrays(houses, tmp_path):
+    houses.to_file(tmp_path / "houses.geojson")
+    with pytest.raises(tp.UsageError, match="points: is an empty list"):
+        tp.build_city(houses, sorted(tmp_path.glob("*.laz")))
+    with pytest.warns(UserWarning):
+        assert len(tp.build_city(tmp_path.glob("*.geojson"))) == len(tp.build_city(houses.geometry.values)) == 3
+        assert tp.build_city(houses.geometry.values).crs == "EPSG:32631"
+        assert len(tp.build_city(houses.iloc[:0], terrain_only=np.bool_(True), bounds=houses.total_bounds)) == 0

@@ -2,11 +2,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+
 from . import _core
+from ._errors import UsageError
 
 
 def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5,
@@ -45,7 +48,7 @@ def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5,
     sample_height, sample_spacing : float
         Where people feel the wind, above the ground, and the spacing of points there, metres.
     iterations : int
-        At most; residuals below 1e-4 (U: 5e-4) end the run before.
+        At most; residuals below 1e-4 (U: 1e-3) end the run before.
     dialect : {'com', 'org'}
         OpenFOAM of openfoam.com or openfoam.org.
     overwrite : bool
@@ -65,8 +68,12 @@ def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5,
     InputError
         No mesh, or files that cannot be written.
     """
-    several = isinstance(wind_from, Iterable)
-    winds = [float(wind) for wind in wind_from] if isinstance(wind_from, Iterable) else [float(wind_from)]
+    try:
+        angles = np.asarray(list(wind_from) if isinstance(wind_from, Iterator) else wind_from, dtype=float)
+    except (TypeError, ValueError):
+        raise UsageError(f"wind_from: {wind_from!r}: give degrees, or several of them") from None
+    several = angles.ndim > 0
+    winds = [float(wind) for wind in angles.ravel()]
     cases = _core.case_openfoam(Path(folder), wind_speed, winds, several,
                                 [(float(z), float(u), float(k)) for z, u, k in wind_profile], wind_height,
                                 roughness, ground_roughness, dict(patch_roughness or {}), building_roughness,

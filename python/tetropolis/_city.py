@@ -68,10 +68,13 @@ class Terrain:
                 0.0, -step, self.origin[1] + self._core.y0 + (rows - 0.5) * step)
 
     def sample(self, x: npt.ArrayLike, y: npt.ArrayLike) -> Floats:
-        """Elevations at CRS coordinates, bilinear between the nodes; the nearest of the rim outside."""
+        """Elevations at CRS coordinates, bilinear between the nodes; the nearest of the rim outside; NaN at NaN."""
         xs, ys = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
         at = np.stack([xs.ravel() - self.origin[0], ys.ravel() - self.origin[1]], axis=1)
-        return self._core.sample(np.ascontiguousarray(at)).reshape(xs.shape)
+        known = ~np.isnan(at).any(axis=1)
+        heights = np.full(len(at), np.nan)
+        heights[known] = self._core.sample(np.ascontiguousarray(at[known]))
+        return heights.reshape(xs.shape)
 
     def __repr__(self) -> str:
         rows, columns = self.values.shape
@@ -301,15 +304,11 @@ def build_city(footprints: Any, points: Any = None, *, classification: npt.Array
     GuaranteeError
         The account of the features does not add up.
     """
-    id_attribute, height_attribute = settings.get("id_attribute"), settings.get("height_attribute")
     table = arrays = None
-    files = [] if footprints is None else paths_of(footprints)
+    files = [] if footprints is None else paths_of("footprints", footprints)
     if files is None:
-        for name in ("floors_attribute", "where"):
-            if settings.get(name):
-                raise UsageError(f"{name}: is for files; of a GeoDataFrame, select rows and make a column of heights")
-        table = footprint_table(footprints, id_attribute, height_attribute)
-    paths = [] if points is None else paths_of(points)
+        table = footprint_table(footprints, settings.get("id_attribute"))
+    paths = [] if points is None else paths_of("points", points)
     if paths is None:
         arrays = points_in_memory(points, classification)
     elif classification is not None:

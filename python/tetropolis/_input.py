@@ -2,13 +2,14 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._errors import InputError, UsageError
+from ._errors import UsageError
 
 
 def is_path(value: Any) -> bool:
@@ -24,40 +25,40 @@ def crs_text(crs: Any) -> str:
     return str(crs.srs) if getattr(crs, "srs", "").upper().startswith("EPSG:") else str(crs.to_wkt())
 
 
-def _column(frame: Any, name: str) -> list[str]:
-    if name not in frame.columns:
-        columns = ", ".join(str(column) for column in frame.columns if column != frame.geometry.name)
-        raise InputError(f"footprints: has no attribute '{name}'; it has: {columns or 'none'}")
-    column = frame[name]
-    return ["" if missing else str(value) for value, missing in zip(column, column.isna())]
+def _texts(column: Any) -> list[str]:
+    kind = getattr(column.dtype, "kind", "O")
+    text = (lambda value: str(int(value))) if kind in "biu" else str
+    return ["" if missing else text(value) for value, missing in zip(column, column.isna())]
 
 
-def footprint_table(footprints: Any, id_attribute: str | None, height_attribute: str | None) -> _core.FootprintTable:
+def _columns(frame: Any) -> list[tuple[str, str, list[str]]]:
+    """Name, kind of NumPy and values of all attributes."""
+    columns = ((str(name), frame.iloc[:, k]) for k, name in enumerate(frame.columns))
+    return [(name, getattr(column.dtype, "kind", "O"), _texts(column)) for name, column in columns
+            if str(column.dtype) != "geometry"]
+
+
+def footprint_table(footprints: Any, id_attribute: str | None) -> _core.FootprintTable:
     """Of a GeoDataFrame, a GeoSeries, a geometry of shapely or several of these."""
     import shapely
 
     ids: list[str] = []
-    heights: list[str] = []
+    columns: list[tuple[str, str, list[str]]] = []
     if hasattr(footprints, "geometry") and hasattr(footprints, "crs"):
         geometries = np.asarray(footprints.geometry.array)
-        ids = [str(label) for label in footprints.index]
-        if id_attribute:
-            ids = _column(footprints, id_attribute)
-        if height_attribute:
-            heights = _column(footprints, height_attribute)
-        crs = crs_text(footprints.crs)
+        if hasattr(footprints, "columns"):
+            columns = _columns(footprints)
+        if not id_attribute:
+            ids = [str(label) for label in footprints.index]
     else:
         geometries = np.atleast_1d(np.asarray(footprints, dtype=object))
-        crs = ""
-        for name, attribute in (("id_attribute", id_attribute), ("height_attribute", height_attribute)):
-            if attribute:
-                raise UsageError(f"{name}: geometries have no attributes; give a GeoDataFrame")
+    crs = crs_text(getattr(footprints, "crs", None))
     try:
         wkb = shapely.to_wkb(geometries)
     except TypeError:
         raise UsageError("footprints: give a file, a GeoDataFrame, or geometries of shapely, not "
                          f"{type(footprints).__name__}") from None
-    return _core.FootprintTable([bytes(b) if b is not None else b"" for b in wkb], ids, heights, crs)
+    return _core.FootprintTable([bytes(b) if b is not None else b"" for b in wkb], ids, columns, crs)
 
 
 def _codes(codes: Any, name: str, count: int) -> npt.NDArray[np.uint8] | None:
@@ -90,10 +91,16 @@ def points_in_memory(points: Any, classification: Any) -> _core.Points:
     return _core.Points(xyz, _codes(classification, "classification", count), _codes(withheld, "withheld", count), crs)
 
 
-def paths_of(points: Any) -> list[str] | None:
-    """The files that a value names; None if it is data itself."""
-    if is_path(points):
-        return [os.fspath(points)]
-    if isinstance(points, (list, tuple)) and points and all(is_path(path) for path in points):
-        return [os.fspath(path) for path in points]
+def paths_of(name: str, value: Any) -> list[str] | None:
+    """The files that an argument names; None if it is data itself."""
+    if is_path(value):
+        return [os.fspath(value)]
+    if isinstance(value, (list, tuple, set, frozenset, Iterator)):
+        values = sorted(value) if isinstance(value, (set, frozenset)) else list(value)
+        if not values:
+            raise UsageError(f"{name}: is an empty list; give files, or None for none")
+        if all(is_path(path) for path in values):
+            return [os.fspath(path) for path in values]
+        if isinstance(value, Iterator):
+            raise UsageError(f"{name}: give files or arrays, not {type(value).__name__}")
     return None

@@ -111,8 +111,9 @@ class Surface:
         import pyvista
 
         mesh = pyvista.PolyData.from_regular_faces(self.points + _shift(self.origin, coordinates), self.triangles)
-        mesh.cell_data["patch"] = self.patch
-        mesh.cell_data["building"] = self.building
+        # PyVista writes to arrays whatever their flags say, and these are the library's own.
+        mesh.cell_data["patch"] = self.patch.copy()
+        mesh.cell_data["building"] = self.building.copy()
         mesh.field_data["origin"] = self.origin if coordinates == "local" else (0.0, 0.0, 0.0)
         return mesh
 
@@ -121,7 +122,7 @@ class Surface:
         import meshio
 
         return meshio.Mesh(self.points + _shift(self.origin, coordinates), [("triangle", self.triangles)],
-                           cell_data={"patch": [self.patch], "building": [self.building]})
+                           cell_data={"patch": [self.patch.copy()], "building": [self.building.copy()]})
 
     def __repr__(self) -> str:
         return f"<tetropolis.Surface: {len(self.triangles)} triangles, {len(self.points)} points>"
@@ -155,7 +156,10 @@ class GroundMesh:
 
     @property
     def column_z(self) -> Floats:
-        """Elevation of each node, column by column and upwards, metres; shape (`mesh.n_points`,)."""
+        """Elevation of the nodes of columns, column by column and upwards, metres; shape (column_first[-1],).
+
+        They are the first of `mesh.points`; nodes above the lid over the city and of prisms follow there.
+        """
         return self._core.column_z
 
 
@@ -199,7 +203,8 @@ class Mesh(Reported):
 
     @cached_property
     def points(self) -> Floats:
-        """Nodes, metres in the local frame, shape (n_points, 3); column by column and upwards."""
+        """Nodes, metres in the local frame, shape (n_points, 3): those of columns, column by column and upwards, then
+        those above the lid over the city and of prisms."""
         return self._core.points()
 
     @cached_property
@@ -216,8 +221,8 @@ class Mesh(Reported):
 
     @cached_property
     def region(self) -> Ints:
-        """The building whose footprint each cell stands over, tetrahedra first: by position in the city, or -1; shape
-        (n_cells,)."""
+        """The building whose footprint each cell below the lid over the city stands over, tetrahedra first: by position
+        in the city; else -1; shape (n_cells,)."""
         tets: Ints = self._core.regions(0, self._core.n_rows)
         return np.concatenate([tets, self._core.regions_of_wedges()]) if len(self.wedges) else tets
 
@@ -247,6 +252,8 @@ class Mesh(Reported):
         cells : ndarray of shape (k, 4)
         region : ndarray of shape (k,)
         """
+        if size < 1:
+            raise UsageError(f"size: {size} is no number of cells; give 1 or more")
         begin = first = 0
         while begin < self._core.n_rows:
             end = self._core.end_of_block(begin, size)
@@ -275,12 +282,14 @@ class Mesh(Reported):
         """
         import pyvista
 
-        kinds = {pyvista.CellType.TETRA: self.cells, pyvista.CellType.WEDGE: self.wedges}
+        # Of VTK's prisms the base, seen from the other triangle, runs clockwise.
+        prisms = self.wedges[:, [0, 2, 1, 3, 5, 4]]
+        kinds = {pyvista.CellType.TETRA: self.cells, pyvista.CellType.WEDGE: prisms}
         cells = {kind: cells for kind, cells in kinds.items() if len(cells)}
         grid = pyvista.UnstructuredGrid(cells, self.points + _shift(self.origin, coordinates))
-        grid.cell_data["region"] = self.region
+        grid.cell_data["region"] = self.region.copy()
         if self.zones:
-            grid.cell_data["zone"] = self.zone
+            grid.cell_data["zone"] = self.zone.copy()
         grid.field_data["origin"] = self.origin if coordinates == "local" else (0.0, 0.0, 0.0)
         return grid
 

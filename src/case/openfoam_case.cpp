@@ -151,6 +151,20 @@ OpenfoamCaseOptions checked(OpenfoamCaseOptions options) {
   return options;
 }
 
+/// Names that nobody has are mistyped; those that are there by default need not be patches.
+void require_patches(const FoamMesh& mesh, const OpenfoamCaseOptions& options) {
+  std::vector<std::string> ground;
+  for (const FoamPatch& patch : mesh.patches)
+    if (patch.is_wall && !patch.of_building()) ground.push_back(patch.name);
+  const OpenfoamCaseOptions usual;
+  for (const auto& [name, value] : options.patch_roughness)
+    if (!usual.patch_roughness.contains(name) &&
+        std::find(ground.begin(), ground.end(), name) == ground.end())
+      throw Error(ErrorKind::kUsage,
+                  fmt::format("patch_roughness: the ground has no patch {}; it has: {}", name,
+                              fmt::join(ground, ", ")));
+}
+
 /// First cells on the ground, against the roughness there.
 void look_at_ground(const FoamMesh& mesh, const FoamFields& fields, OpenfoamCase& result) {
   std::vector<std::size_t> faces;
@@ -192,6 +206,7 @@ OpenfoamCase facts_of(const FoamMesh& mesh, const FoamFields& fields, const Samp
 OpenfoamCase write_openfoam_case(const fs::path& folder, const OpenfoamCaseOptions& given) {
   const OpenfoamCaseOptions options = checked(given);
   const FoamMesh mesh = read_foam_mesh(folder / "constant/polyMesh");
+  require_patches(mesh, options);
   const Places places(mesh);
   const FoamFields fields(mesh, places, options);
   const SamplePoints samples =
@@ -234,6 +249,7 @@ std::vector<OpenfoamCase> write_openfoam_cases(const fs::path& folder,
   if (winds.empty()) throw Error(ErrorKind::kUsage, "wind_from: names no direction");
 
   const FoamMesh mesh = read_foam_mesh(folder / "constant/polyMesh");
+  require_patches(mesh, options);
   const Places places(mesh);
   const SamplePoints samples =
       sample_points(mesh, places.town, options.sample_height, options.sample_spacing);

@@ -66,7 +66,7 @@ SIMPLE
     residualControl
     {
         p            1e-4;
-        U            5e-4;   // the wind is the same from there on: components across it stall at 3e-4
+        U            1e-3;   // the wind is the same from there on: components across it stall at 3e-4 to 6e-4
         "(k|epsilon)" 1e-4;
     }
 }

@@ -12,6 +12,7 @@
 
 #include "mesh_input.h"
 #include "vtk_input.h"
+#include "vtk_wedge.h"
 
 namespace tetropolis {
 
@@ -222,6 +223,7 @@ void read_tets_and_wedges(const VtkInput& file, TetMesh& mesh) {
   auto cells = read_mixed<4, 6, std::int64_t>(file);
   mesh.cells = std::move(cells.small);
   mesh.wedges = std::move(cells.large);
+  for (auto& prism : mesh.wedges) prism = in_vtk_order(prism);
   constexpr std::uint8_t kVtkTetra = 10, kVtkWedge = 13;
   const VtkArray types = file.array("types", file.cells());
   Least wrong;

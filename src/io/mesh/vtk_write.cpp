@@ -16,6 +16,7 @@
 #include "column_output.h"
 #include "io/file/chunked_output.h"
 #include "vtk_output.h"
+#include "vtk_wedge.h"
 
 namespace tetropolis {
 
@@ -125,7 +126,7 @@ void write_cells(VtkOutput& file, const ColumnMesh& mesh, const std::vector<Cell
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         append_cells<Integer>(mesh, offsets, std::min(begin, rows), std::min(end, rows), buffer);
         for (std::size_t i = std::max(begin, rows); i < end; ++i) {
-          const auto nodes = wedge(mesh, static_cast<std::int64_t>(i - rows));
+          const auto nodes = in_vtk_order(wedge(mesh, static_cast<std::int64_t>(i - rows)));
           for (const NodeIndex node : nodes) append_raw(buffer, static_cast<Integer>(node.value()));
         }
       },

@@ -15,6 +15,7 @@
 #include "io/file/hdf5_file.h"
 #include "io/file/hdf5_handle.h"
 #include "io/file/hdf5_output.h"
+#include "vtk_wedge.h"
 
 namespace tetropolis {
 
@@ -89,7 +90,8 @@ void write_vtkhdf(const std::filesystem::path& path, const ColumnMesh& mesh,
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
         for (std::size_t row = begin; row < end; ++row)
           for_each_cell_of(mesh, cells, row, [&](const auto& nodes_of_cell) {
-            for (const NodeIndex node : nodes_of_cell) append_raw(buffer, node.value());
+            for (const NodeIndex node : in_vtk_order(nodes_of_cell))
+              append_raw(buffer, node.value());
           });
       },
       portion(progress, 0.2, 0.7));

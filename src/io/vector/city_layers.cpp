@@ -24,6 +24,7 @@
 #include "tetropolis/io/file/write_file.h"
 
 #include "core/text.h"
+#include "feature_attributes.h"
 #include "io/crs/gdal_support.h"
 #include "io/file/atomic_file.h"
 #include "polygon_geometry.h"
@@ -138,24 +139,6 @@ Fates fates_of(const CityModel& raw, const CityModel& city) {
     for (const std::string& id : building.source_ids) fates.city.emplace(id, &building);
   for (const Dropped& dropped : city.dropped) fates.dropped.emplace(dropped.source_id, &dropped);
   return fates;
-}
-
-OGRFieldType field_type(AttributeType type) {
-  switch (type) {
-    case AttributeType::kInteger:
-      return OFTInteger64;
-    case AttributeType::kBoolean:
-      return OFTInteger;
-    case AttributeType::kReal:
-      return OFTReal;
-    case AttributeType::kText:
-      return OFTString;
-    case AttributeType::kDate:
-      return OFTDate;
-    case AttributeType::kDateTime:
-      return OFTDateTime;
-  }
-  return OFTString;
 }
 
 class FootprintsLayer {

@@ -58,6 +58,24 @@ std::string text_of(OGRFeatureH feature, int field, AttributeType type) {
 
 }  // namespace
 
+OGRFieldType field_type(AttributeType type) {
+  switch (type) {
+    case AttributeType::kInteger:
+      return OFTInteger64;
+    case AttributeType::kBoolean:
+      return OFTInteger;
+    case AttributeType::kReal:
+      return OFTReal;
+    case AttributeType::kText:
+      return OFTString;
+    case AttributeType::kDate:
+      return OFTDate;
+    case AttributeType::kDateTime:
+      return OFTDateTime;
+  }
+  return OFTString;
+}
+
 AttributeReader::AttributeReader(OGRLayerH layer, bool wanted,
                                  std::vector<AttributeColumn>& columns)
     : columns_(columns) {

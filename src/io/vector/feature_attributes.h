@@ -9,6 +9,9 @@
 
 namespace tetropolis {
 
+/// Of GDAL's types, the one that holds an attribute.
+OGRFieldType field_type(AttributeType type);
+
 class AttributeReader {
  public:
   /// Makes the columns of the layer; without `wanted`, none.

@@ -7,6 +7,7 @@
 #include "tetropolis/core/error.h"
 
 #include "core/foreign_code.h"
+#include "feature_attributes.h"
 #include "io/crs/gdal_support.h"
 #include "io/file/input_file.h"
 #include "vector_open.h"
@@ -16,17 +17,9 @@ namespace tetropolis {
 
 namespace {
 
-/// A column of texts under the name that `options` has for it.
-struct Column {
-  const char* name;
-  const std::vector<std::string>& values;
-
-  bool given() const { return *name != '\0' && !values.empty(); }
-};
-
 void require_length(const FootprintTable& table, const std::vector<std::string>& column,
                     const char* name) {
-  if (column.empty() || column.size() == table.wkb.size()) return;
+  if (column.size() == table.wkb.size()) return;
   throw Error(ErrorKind::kUsage, fmt::format("{}: {} {} for {} features; give one per feature",
                                              table.source, column.size(), name, table.wkb.size()));
 }
@@ -53,22 +46,26 @@ gdal::Dataset dataset_of(const FootprintTable& table, const ReadFootprintsOption
                                        : GDALDatasetCreateLayer(dataset.get(), table.source.c_str(),
                                                                 nullptr, wkbUnknown, nullptr);
   if (layer == nullptr) fail_input(table.source, "GDAL cannot hold footprints in memory");
-  const Column columns[] = {{options.id_attribute.c_str(), table.ids},
-                            {options.height_attribute.c_str(), table.heights}};
-  for (const Column& column : columns)
-    if (column.given() && OGR_FD_GetFieldIndex(OGR_L_GetLayerDefn(layer), column.name) < 0) {
-      OGRFieldDefnH field = OGR_Fld_Create(column.name, OFTString);
-      OGR_L_CreateField(layer, field, TRUE);
-      OGR_Fld_Destroy(field);
-    }
+  std::vector<const std::vector<std::string>*> columns;
+  const auto add = [&](const std::string& name, AttributeType type,
+                       const std::vector<std::string>& values) {
+    OGRFieldDefnH field = OGR_Fld_Create(name.c_str(), field_type(type));
+    if (type == AttributeType::kBoolean) OGR_Fld_SetSubType(field, OFSTBoolean);
+    OGR_L_CreateField(layer, field, TRUE);
+    OGR_Fld_Destroy(field);
+    columns.push_back(&values);
+  };
+  if (!table.ids.empty()) add(options.id_attribute, AttributeType::kText, table.ids);
+  for (const TableColumn& column : table.columns)
+    if (table.ids.empty() || column.name != options.id_attribute)
+      add(column.name, column.type, column.values);
   for (std::size_t row = 0; row < table.wkb.size(); ++row) {
     const gdal::Feature feature(OGR_F_Create(OGR_L_GetLayerDefn(layer)));
     OGR_F_SetFID(feature.get(), static_cast<GIntBig>(row));
     set_geometry(table, row, feature.get());
-    for (const Column& column : columns)
-      if (column.given() && !column.values[row].empty())
-        OGR_F_SetFieldString(feature.get(), OGR_F_GetFieldIndex(feature.get(), column.name),
-                             column.values[row].c_str());
+    for (std::size_t c = 0; c < columns.size(); ++c)
+      if (const std::string& value = (*columns[c])[row]; !value.empty())
+        OGR_F_SetFieldString(feature.get(), static_cast<int>(c), value.c_str());
     if (OGR_L_CreateFeature(layer, feature.get()) != OGRERR_NONE)
       fail_input(table.source, fmt::format("feature {}: GDAL cannot hold it in memory", row));
   }
@@ -80,8 +77,9 @@ gdal::Dataset dataset_of(const FootprintTable& table, const ReadFootprintsOption
 FootprintsInput take_footprints(const FootprintTable& table, const ReadFootprintsOptions& options) {
   const ForeignCode gdal_code(table.source.c_str());
   gdal::initialise();
-  require_length(table, table.ids, "ids");
-  require_length(table, table.heights, "heights");
+  if (!table.ids.empty()) require_length(table, table.ids, "ids");
+  for (const TableColumn& column : table.columns)
+    require_length(table, column.values, ("values of " + column.name).c_str());
   ReadFootprintsOptions reading = options;
   reading.layer.clear();
   if (reading.id_attribute.empty() && !table.ids.empty()) reading.id_attribute = "index";

@@ -62,13 +62,13 @@ TEST(FootprintTable, IsWhatAFileWithItsFeaturesIs) {
   const testing::TemporaryFolder folder;
   FootprintTable table = table_of(kShapes);
   table.ids = {"a", "b", "", "a"};
-  table.heights = {"12.5 m", "7", "", ""};
+  table.columns = {{"tall", AttributeType::kText, {"12.5 m", "7", "", ""}}};
   table.crs = "EPSG:28992";
   std::string features;
   for (std::size_t i = 0; i < kShapes.size(); ++i)
     features += fmt::format(
         R"({}{{"type":"Feature","id":{},"properties":{{"name":{},"tall":{}}},"geometry":{}}})",
-        i == 0 ? "" : ",", i, text_or_null(table.ids[i]), text_or_null(table.heights[i]),
+        i == 0 ? "" : ",", i, text_or_null(table.ids[i]), text_or_null(table.columns[0].values[i]),
         json_of(kShapes[i]));
   std::ofstream(folder / "a.geojson")
       << R"({"type":"FeatureCollection","crs":{"type":"name","properties":{"name":"EPSG:28992"}},)"
@@ -98,6 +98,28 @@ TEST(FootprintTable, IsWhatAFileWithItsFeaturesIs) {
     }
     EXPECT_EQ(taken.bounds, file.bounds);
   }
+}
+
+/// Floors, what is below ground, and conditions on numbers.
+TEST(FootprintTable, AttributesMeanWhatTheyMeanInFiles) {
+  FootprintTable table = table_of({kShapes[0], kShapes[2], kShapes[0], kShapes[2]});
+  table.columns = {{"building:levels", AttributeType::kInteger, {"4", "10", "", "2"}},
+                   {"location", AttributeType::kText, {"", "", "underground", ""}},
+                   {"listed", AttributeType::kBoolean, {"1", "0", "", "1"}}};
+  ReadFootprintsOptions options;
+  options.attributes = true;
+  const FootprintsInput taken = take_footprints(table, options);
+  ASSERT_EQ(taken.features.size(), 3U);
+  EXPECT_EQ(taken.features[0].height, 12);
+  EXPECT_TRUE(taken.features[1].from_floors);
+  ASSERT_EQ(taken.dropped.size(), 1U);
+  EXPECT_EQ(taken.dropped[0].cause, DropCause::kNotABuilding);
+  ASSERT_EQ(taken.attributes.size(), 3U);
+  EXPECT_EQ(taken.attributes[0].type, AttributeType::kInteger);
+  EXPECT_EQ(taken.attributes[2].type, AttributeType::kBoolean);
+  EXPECT_EQ(std::get<std::vector<std::int64_t>>(taken.attributes[0].values)[1], 10);
+  options.where = "\"building:levels\" > 3";  // as text, 10 would come before 3
+  EXPECT_EQ(take_footprints(table, options).features.size(), 2U);
 }
 
 TEST(FootprintTable, FeaturesWithoutNamesAreNumbered) {
@@ -135,7 +157,7 @@ TEST(FootprintTable, MistakesAreTold) {
   EXPECT_EQ(message_of(table, ErrorKind::kUsage),
             "footprints: 1 ids for 4 features; give one per feature");
   table.ids = {};
-  table.heights = {"tall", "", "", ""};
+  table.columns = {{"tall", AttributeType::kText, {"tall", "", "", ""}}};
   ReadFootprintsOptions heights;
   heights.height_attribute = "tall";
   EXPECT_NE(message_of(table, ErrorKind::kInput, heights).find("has no usable height"),

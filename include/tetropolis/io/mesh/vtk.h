@@ -20,10 +20,11 @@
 namespace tetropolis {
 
 /// Writes the cells of `mesh`: points in double precision column by column and upwards, tets
-/// triangle by triangle and upwards, then prisms likewise, as wedges, and the cell data `region`
-/// (Int32: the building whose footprint the cell stands over, by position in the city model, or
-/// -1). Streams: needs little memory beside the mesh, compressed or not. The file appears complete
-/// or not at all. Throws Error(kInput) if it cannot be written, Cancelled.
+/// triangle by triangle and upwards, then prisms likewise, as VTK's wedges (the base clockwise from
+/// above), and the cell data `region` (Int32: the building whose footprint the cell stands over, by
+/// position in the city model, or -1). Streams: needs little memory beside the mesh, compressed or
+/// not. The file appears complete or not at all. Throws Error(kInput) if it cannot be written,
+/// Cancelled.
 ///
 /// `buildings`, those of the city model, become field data, one value a building in that order:
 /// `building_id` and `building_source_ids`, a JSON list (UTF-8 in UInt8, a zero byte behind each

@@ -8,11 +8,18 @@
 
 namespace tetropolis {
 
-/// Columns of one length, one row per feature; attributes may be empty instead.
+/// An attribute of the features: their values as text, "" where there is none.
+struct TableColumn {
+  std::string name;
+  AttributeType type = AttributeType::kText;
+  std::vector<std::string> values;
+};
+
+/// Columns of one length, one row per feature; `ids` may be empty instead.
 struct FootprintTable {
-  std::vector<std::string> wkb;       ///< Geometries as well-known binary; "": none.
-  std::vector<std::string> ids;       ///< Values of options.id_attribute, or of an index; "": none.
-  std::vector<std::string> heights;   ///< Values of options.height_attribute; "": none.
+  std::vector<std::string> wkb;  ///< Geometries as well-known binary; "": none.
+  std::vector<std::string> ids;  ///< Values of options.id_attribute, or of an index; "": none.
+  std::vector<TableColumn> columns;
   std::string source = "footprints";  ///< What messages call it.
   std::string crs = {};               ///< As normalise_crs takes it; "" if unknown.
 };
