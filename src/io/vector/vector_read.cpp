@@ -117,17 +117,14 @@ class DegreesCheck {
   }
   void add(const Bounds2& box) {
     constexpr double kWidest = 0.5;  // degrees: no building is so wide, but many are so many metres
-    all_.extend(box);
     ++count_;
     if (!globe_.covers(box)) ++outside_;
     if (!globe_.covers(box) || std::max(box.width(), box.height()) > kWidest) ++others_;
   }
   bool are_none() const { return outside_ > 0 && 2 * others_ > count_; }
-  const Bounds2& bounds() const { return all_; }
 
  private:
   Bounds2 globe_;
-  Bounds2 all_ = Bounds2::nothing();
   std::size_t count_ = 0, outside_ = 0, others_ = 0;
 };
 
@@ -424,8 +421,13 @@ Bounds2 box_to_read(const ReadFootprintsOptions& options, const std::string& crs
   if (options.within.empty() || crs.empty()) return Bounds2::nothing();
   constexpr double kMargin = 100;  // metres: sides bend on their way to another system
   const Bounds2 box = options.within.grown(kMargin);
-  if (!options.within_crs.empty())
-    return reproject_box(box, normalise_crs(options.within_crs), crs);
+  if (const std::string from = normalise_crs(options.within_crs); !from.empty()) {
+    try {
+      return reproject_box(box, from, crs);
+    } catch (const Error&) {
+      return Bounds2::nothing();  // a local system, which nothing leads to: told when it matters
+    }
+  }
   const bool in_metres = is_metre(linear_unit_metres(crs)) && is_true_to_scale(crs, box);
   return in_metres ? box : Bounds2::nothing();
 }

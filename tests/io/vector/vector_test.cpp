@@ -324,6 +324,9 @@ TEST(Vector, ABoxDoesNotMatterWhereCoordinatesMayBeAnything) {
   EXPECT_EQ(read(named("EPSG:2263"), "").features.size(), 2U);
   EXPECT_EQ(read(named("EPSG:28992"), "").features.size(), 1U);
   EXPECT_EQ(read(named("EPSG:28992"), "EPSG:28992").features.size(), 1U);
+  // A system of a site, which nothing leads to.
+  EXPECT_EQ(read(named("EPSG:28992"), R"(LOCAL_CS["site",UNIT["foot",0.3048]])").features.size(),
+            2U);
   const fs::path shapes = folder / "a.shp";
   const std::vector<Polygon> polygons{Polygon{{{0, 0}, {9, 0}, {9, 9}}, {}}};
   write_footprints(shapes, polygons, std::vector<std::string>{"far"}, {}, {}, "");

@@ -125,8 +125,8 @@ struct FootprintsInput {
 /// Errors, kInput with the path: missing, not a vector file, no polygon layer, several and none
 /// named, unknown layer or attribute (the message lists what there is), a height attribute without
 /// any number but with something else, a shapefile whose members are cut or do not belong together,
-/// a file cut or broken so that features are lost without an account. kUsage: source_crs or
-/// target_crs is invalid.
+/// a file cut or broken so that features are lost without an account. kUsage: source_crs,
+/// target_crs or within_crs is invalid.
 FootprintsInput read_footprints(const std::filesystem::path& path,
                                 const ReadFootprintsOptions& options = {});
 
