@@ -89,7 +89,7 @@ for (const [name, options] of Object.entries(cities)) {
     next = endOfTets;
     for (let triangle = 0; triangle < mesh.region.length; ++triangle)
       for (let n = 0; n < prismCount(mesh, triangle); ++n, next += 6) {
-        const floor = [0, 1, 2].map((k) => mesh.floor[3 * triangle + k] + n);
+        const floor = [0, 2, 1].map((k) => mesh.floor[3 * triangle + k] + n);  // VTK's order
         const cell = [...floor, ...floor.map((node) => node + 1)].map((node) => numbers[node]);
         for (let k = 0; k < 6; ++k)
           if (cell[k] !== Number(vtu.cells[next + k])) assert.fail(`prism ${next}: ${cell}`);
