@@ -71,10 +71,7 @@ class Terrain:
         """Elevations at CRS coordinates, bilinear between the nodes; the nearest of the rim outside; NaN at NaN."""
         xs, ys = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
         at = np.stack([xs.ravel() - self.origin[0], ys.ravel() - self.origin[1]], axis=1)
-        known = ~np.isnan(at).any(axis=1)
-        heights = np.full(len(at), np.nan)
-        heights[known] = self._core.sample(np.ascontiguousarray(at[known]))
-        return heights.reshape(xs.shape)
+        return self._core.sample(np.ascontiguousarray(at)).reshape(xs.shape)
 
     def __repr__(self) -> str:
         rows, columns = self.values.shape

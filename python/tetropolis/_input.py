@@ -96,7 +96,7 @@ def paths_of(name: str, value: Any) -> list[str] | None:
     if is_path(value):
         return [os.fspath(value)]
     if isinstance(value, (list, tuple, set, frozenset, Iterator)):
-        values = sorted(value) if isinstance(value, (set, frozenset)) else list(value)
+        values = sorted(value, key=str) if isinstance(value, (set, frozenset)) else list(value)
         if not values:
             raise UsageError(f"{name}: is an empty list; give files, or None for none")
         if all(is_path(path) for path in values):

@@ -99,12 +99,11 @@ void warn_of_boundary(const CleanFeatures& clean, std::vector<Warning>& warnings
 
 void warn_of_country(const CityModel& raw, const BuildCityOptions& options,
                      std::vector<Warning>& warnings) {
-  constexpr std::int64_t kMany = 100'000;
   if (options.bounds) return;
   const auto outside = std::count_if(raw.dropped.begin(), raw.dropped.end(), [](const Dropped& d) {
     return d.cause == DropCause::kOutside;
   });
-  if (outside <= kMany) return;
+  if (outside <= kMostListedBeyond) return;
   const Bounds2 box = raw.domain.moved(raw.origin).bounds();
   warnings.push_back(
       {"footprints_outside", outside,

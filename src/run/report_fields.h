@@ -103,14 +103,13 @@ template <typename Field>
 void fields_of(FootprintAccount& account, const Field& field) {
   field("features", account.features, "integer",
         "features in the footprint file; all counts of the account are 0 in `mesh`");
-  field("further_parts", account.further_parts, "integer",
-        "polygons beyond the first of a feature; the counts below add up to both");
+  field(
+      "further_parts", account.further_parts, "integer",
+      "polygons beyond the first of a feature; the counts from here to `outlined` add up to both");
   field("kept", account.kept, "integer", "footprints that are a building alone");
   field("merged", account.merged, "integer", "footprints in buildings of several");
   field("unusable", account.unusable, "integer", "dropped: no polygon, or beyond repair");
   field("outside", account.outside, "integer", "dropped: outside the domain");
-  field("unlisted", account.unlisted, "integer",
-        "of these, those not in `city.dropped`, which has the first 100,000 beyond `bounds`");
   field("boundary", account.boundary, "integer",
         "dropped: across the domain's boundary, or mostly beyond the points");
   field("too_small", account.too_small, "integer", "dropped: below `min_building_area`");
@@ -119,6 +118,9 @@ void fields_of(FootprintAccount& account, const Field& field) {
   field("no_building", account.no_building, "integer",
         "dropped: below ground or not built, by its attributes or as the ground in it is measured");
   field("outlined", account.outlined, "integer", "dropped: its parts stand for it");
+  field("unlisted", account.unlisted, "integer",
+        "of those outside, how many are not in `city.dropped`, which has the first 100,000 beyond "
+        "`bounds` of a file");
 }
 
 template <typename Field>

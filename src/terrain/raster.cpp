@@ -16,6 +16,7 @@ struct Cell {
 
 Cell locate(double position, std::int32_t nodes) {
   const double clamped = std::clamp(position, 0.0, static_cast<double>(nodes - 1));
+  if (std::isnan(clamped)) return {0, clamped};
   const auto index =
       std::min(static_cast<std::int32_t>(clamped), std::max<std::int32_t>(nodes - 2, 0));
   return {index, clamped - index};

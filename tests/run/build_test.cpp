@@ -862,7 +862,7 @@ TEST_F(Build, OfACountryAroundACityOnlyTheNumberIsKept) {
   const fs::path alone = scratch / "alone";
   fs::rename(config.out, alone);
   // They come first, so that features of the city are read after the last that is listed.
-  constexpr std::int64_t kListed = 100'000, kMore = 50;
+  constexpr std::int64_t kListed = kMostListedBeyond, kMore = 50;
   std::vector<Polygon> country;
   std::vector<std::string> names;
   for (std::int64_t i = 0; i < kListed + kMore; ++i) {

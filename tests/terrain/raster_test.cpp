@@ -1,6 +1,8 @@
 #include "tetropolis/terrain/raster.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -41,6 +43,9 @@ TEST(Raster, SampleAtNodesAndBetween) {
     for (std::int32_t i = 0; i < 3; ++i)
       EXPECT_EQ(sample(raster, {raster.x0 + i, raster.y0 + j}), raster.at(i, j));
   EXPECT_EQ(sample(raster, {raster.x0 + 0.5, raster.y0}), 1.5);
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  for (const Point2 p : {Point2{kNaN, raster.y0}, Point2{raster.x0, kNaN}, Point2{kNaN, kNaN}})
+    EXPECT_TRUE(std::isnan(sample(raster, p)));
   EXPECT_EQ(sample(raster, {raster.x0, raster.y0 + 0.5}), 4.5);
   EXPECT_EQ(sample(raster, {raster.x0 + 1.5, raster.y0 + 0.5}), (2 + 4 + 16 + 32) / 4.0);
 }

@@ -24,7 +24,8 @@ struct Raster {
 };
 
 /// Bilinear interpolation between the four nodes around `p`; positions outside the grid take the
-/// value of the nearest position on its rim. Precondition: nx, ny >= 1 and no value is NaN.
+/// value of the nearest position on its rim; NaN gives NaN. Precondition: nx, ny >= 1 and no value
+/// is NaN.
 double sample(const Raster& raster, Point2 p);
 
 /// The greatest value that sample() may give inside `box`: of the nodes of all grid cells that meet

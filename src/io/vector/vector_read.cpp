@@ -240,14 +240,11 @@ class LayerReader {
     result_.dropped.push_back({{std::move(id), std::move(reason), cause}, row});
   }
 
-  /// A country has more of them than anybody wants to be told.
   void drop_beyond(const std::string& id) {
-    constexpr std::int64_t kMostListed = 100'000;
-    if (beyond_ < kMostListed)
+    if (beyond_++ < kMostListedBeyond)
       drop(ids_.unique(id), kOutsideReason, -1, DropCause::kOutside);
     else
       ++result_.unlisted;
-    ++beyond_;
   }
 
   /// "way/7", "relation/3"; else the feature number.

@@ -15,6 +15,10 @@
 
 namespace tetropolis {
 
+/// Of features beyond ReadFootprintsOptions::within, how many are listed: a country has more of
+/// them than anybody wants to be told.
+inline constexpr std::int64_t kMostListedBeyond = 100'000;
+
 struct ReadFootprintsOptions {
   std::string layer = {};         ///< Name; empty: the only layer with polygons.
   std::string id_attribute = {};  ///< Attribute that becomes source_id; empty: the feature number.
@@ -75,7 +79,7 @@ struct FootprintsInput {
   std::vector<Footprint> features;          ///< In the order of the file, parts of outlines last.
   std::vector<UnusableFootprint> dropped;   ///< Features and parts that are no footprint, and why.
   std::int64_t unlisted = 0;                ///< Features beyond ReadFootprintsOptions::within that
-                                            ///< are not in `dropped`: it has the first 100,000.
+                                            ///< are not in `dropped` (kMostListedBeyond).
   std::vector<AttributeColumn> attributes;  ///< In the order of the file, if asked for. Binary ones
                                             ///< are left out, lists are text.
   std::int64_t features_read = 0;       ///< Features of the file, before multipolygons are split.
@@ -112,7 +116,7 @@ struct FootprintsInput {
 ///
 /// `within` has no effect on files of unknown system, or of another than they say, and on city
 /// models. A feature beyond it has one entry in `dropped` (DropCause::kOutside, no row), whatever
-/// polygons it is made of; after 100,000 of them they are counted only.
+/// polygons it is made of; after kMostListedBeyond they are counted only.
 ///
 /// Z and M are ignored, curves become chords of 4 degrees. Null, empty and other geometries are
 /// dropped. Reprojection happens if the file's system and target_crs are both known and differ.
