@@ -91,13 +91,6 @@ void tell(const CaseArguments& arguments, const std::vector<OpenfoamCase>& cases
   if (made.canopies > 0)
     console.result(fmt::format("canopies {} zones of {} cells slow the wind", made.canopies,
                                made.canopy_cells));
-  if (made.shallow > 0)
-    console.line(fmt::format(
-        "note     {} of {} cells on the ground are lower than {} times its roughness: the wind "
-        "near "
-        "the ground comes out too fast; raise --mesh-size (of prisms: --first-layer), or give the "
-        "ground among the buildings its own --ground-roughness",
-        made.shallow, made.ground_faces, kRoughnessLengths));
   if (made.ground_faces > 0 && 2 * made.first_cell > options.sample_height)
     console.line(fmt::format(
         "note     {} m above the ground is in the first two cells, where speeds come out too low "
@@ -167,12 +160,9 @@ void add_case_options(CLI::App& command, CaseArguments& arguments) {
       number("--wind-height", options.wind.height, "Height of --wind-speed above the ground [m]"));
   openfoam(
       number("--roughness", options.wind.roughness, "Roughness length of the land upwind [m]"));
-  openfoam(command
-               .add_option(
-                   "--ground-roughness", options.ground_roughness,
-                   "Roughness length of the ground among the buildings [m] (default: that of the "
-                   "land upwind)")
-               ->type_name("NUMBER"));
+  openfoam(number("--ground-roughness", options.ground_roughness,
+                  "Roughness length of the ground among the buildings [m], 0: that of the land "
+                  "upwind"));
   openfoam(command
                .add_option_function<std::vector<std::string>>(
                    "--patch-roughness",

@@ -81,8 +81,8 @@ def main():
         slope = sum((p - a) * (q - b) for p, q in zip(ln, u)) / sum((p - a) ** 2 for p in ln)
         wind = ["--wind-speed", round(b + slope * (math.log(HEIGHT) - a), 3),
                 "--roughness", round(math.exp(a - b / slope), 5)]
-    run(program, "case", "openfoam", case, *wind, "--wind-from", 270, "--wind-height", HEIGHT, "--building-roughness", 0,
-        "--iterations", 300)
+    run(program, "case", "openfoam", case, *wind, "--wind-from", 270, "--wind-height", HEIGHT, "--ground-roughness", 0,
+        "--building-roughness", 0, "--iterations", 300)
     origin = json.loads((case / "report.json").read_text())["origin"]
     x, y = PLACE[0] - origin[0], PLACE[1] - origin[1]
     points = table("points.csv")

@@ -45,7 +45,6 @@ nb::dict dict_of(const OpenfoamCase& made) {
   result["canopy_cells"] = made.canopy_cells;
   result["ground_faces"] = made.ground_faces;
   result["first_cell"] = made.first_cell;
-  result["shallow"] = made.shallow;
   result["samples"] = made.samples;
   result["sample_spacing"] = made.sample_spacing;
   return result;

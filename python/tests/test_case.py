@@ -14,6 +14,7 @@ def test_one_wind_and_several(written, tmp_path):
     several = tp.case_openfoam(tmp_path / "several", wind_speed=4, wind_from=range(0, 360, 45))
     assert len(several) == 8 and several[1] == one
     assert one["sides"]["xmax"] == one["sides"]["ymax"] == "inlet"
+    assert one["ground_faces"] > 0 and one["first_cell"] > 0
     assert (tmp_path / "several/w045/0/U").read_bytes() == (tmp_path / "one/0/U").read_bytes()
     tp.case_openfoam(tmp_path / "one", wind_profile=[(2, 3, 0.5), (20, 5, 0.4)], overwrite=True)
     assert "REFERENCE = 4." in (tmp_path / "one/wind.py").read_text()

@@ -15,7 +15,7 @@ from ._errors import UsageError
 def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5,
                   wind_from: float | Iterable[float] = 270,
                   wind_profile: Iterable[tuple[float, float, float]] = (), wind_height: float = 10,
-                  roughness: float = 0.5, ground_roughness: float = 0,
+                  roughness: float = 0.5, ground_roughness: float = 0.03,
                   patch_roughness: Mapping[str, float] | None = None, building_roughness: float = 0.01,
                   leaf_drag: float = 0.2, leaf_turbulence: bool = True, sample_height: float = 1.75,
                   sample_spacing: float = 2, iterations: int = 500,
@@ -36,7 +36,7 @@ def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5,
     roughness : float
         Roughness length of the land upwind, metres.
     ground_roughness : float
-        That of the ground among the buildings; 0: as upwind.
+        That of the ground among the buildings and one height around them; 0: as upwind.
     patch_roughness : mapping, optional
         That of patches of the ground by name, instead of water 0.0002, road 0.005 and vegetation 0.1.
     building_roughness : float
@@ -57,9 +57,8 @@ def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5,
     Returns
     -------
     dict
-        'sides', what the wind does at each; 'canopies', how many zones of 'canopy_cells' slow the wind; 'first_cell', the median height of cells on the ground; 'shallow', how
-        many of the 'ground_faces' have a cell lower than four roughness lengths, where the wind comes out too fast;
-        'samples' and 'sample_spacing'. A list of them for several winds.
+        'sides', what the wind does at each; 'canopies', how many zones of 'canopy_cells' slow the wind; 'first_cell', the median
+        height of cells on the 'ground_faces'; 'samples' and 'sample_spacing'. A list of them for several winds.
 
     Raises
     ------

@@ -57,8 +57,7 @@ void require_new(const fs::path& folder, const std::vector<CaseFile>& files) {
                               (folder / name).string()));
 }
 
-void write_case_files(const fs::path& folder, const std::vector<CaseFile>& files, bool overwrite) {
-  if (!overwrite) require_new(folder, files);
+void write_case_files(const fs::path& folder, const std::vector<CaseFile>& files) {
   std::error_code error;
   fs::remove(folder / files.back().first, error);
   for (const auto& [name, text] : files) {

@@ -25,9 +25,8 @@ using CaseFile = std::pair<std::string, std::function<std::string()>>;
 /// Throws Error(kUsage) for a file that is there.
 void require_new(const std::filesystem::path& folder, const std::vector<CaseFile>& files);
 
-/// Writes the files, each complete or not at all. Throws Error(kUsage) for one that is there
-/// unless `overwrite`, before any is written; Error(kInput) if one cannot be written.
-void write_case_files(const std::filesystem::path& folder, const std::vector<CaseFile>& files,
-                      bool overwrite);
+/// Writes the files, each complete or not at all, over those that are there. Throws Error(kInput)
+/// if one cannot be written.
+void write_case_files(const std::filesystem::path& folder, const std::vector<CaseFile>& files);
 
 }  // namespace tetropolis

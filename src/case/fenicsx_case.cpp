@@ -157,14 +157,13 @@ void write_fenicsx_case(const fs::path& folder, const Wind& wind, bool overwrite
                               (folder / name).string()));
   require_tets(folder / "volume.xdmf");
   const auto to = direction(wind);
-  write_case_files(folder,
-                   {{"smoke.py",
-                     [&] {
-                       return replaced(kSmoke,
-                                       {{"@X@", fmt::format("{:.6g}", wind.speed * to[0])},
-                                        {"@Y@", fmt::format("{:.6g}", wind.speed * to[1])}});
-                     }}},
-                   overwrite);
+  const std::vector<CaseFile> files = {
+      {"smoke.py", [&] {
+         return replaced(kSmoke, {{"@X@", fmt::format("{:.6g}", wind.speed * to[0])},
+                                  {"@Y@", fmt::format("{:.6g}", wind.speed * to[1])}});
+       }}};
+  if (!overwrite) require_new(folder, files);
+  write_case_files(folder, files);
 }
 
 }  // namespace tetropolis

@@ -17,6 +17,13 @@ constexpr double kC1 = 1.44, kC2 = 1.92, kSigmaK = 1;
 /// Keeps the profile in balance with kappa 0.4: kappa^2 / ((C2 - C1) sqrt(Cmu)).
 double sigma_epsilon() { return kKarman * kKarman / ((kC2 - kC1) * std::sqrt(kCmu)); }
 
+/// What is solved is written at the end, and every 50 to 100 iterations where these divide them.
+int write_interval(int iterations) {
+  for (int parts = (iterations + 99) / 100; iterations / parts >= 50; ++parts)
+    if (iterations % parts == 0) return iterations / parts;
+  return iterations;
+}
+
 }  // namespace
 
 std::string foam_head(const std::string& type, const std::string& object) {
@@ -36,7 +43,7 @@ stopAt          endTime;
 endTime         {};
 deltaT          1;
 writeControl    timeStep;
-writeInterval   $endTime;
+writeInterval   {};  // endTime is a multiple of it
 purgeWrite      1;
 writeFormat     binary;
 writePrecision  8;
@@ -51,7 +58,7 @@ functions
 )",
                      is_org ? "foamRun" : "simpleFoam",
                      is_org ? "solver          incompressibleFluid;\n" : "", options.iterations,
-                     points);
+                     write_interval(options.iterations), points);
 }
 
 std::string pedestrian_dict(const OpenfoamCaseOptions& options, const SamplePoints& samples) {

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "core/median.h"
 #include "foam_dictionaries.h"
-#include "foam_heights.h"
 #include "geometry/vec3.h"
 
 namespace tetropolis {
@@ -96,12 +96,41 @@ std::string entry(const std::string& type, const std::string& rest = "") {
 
 std::string fixed(const std::string& value) { return entry("fixedValue", "value " + value + ";"); }
 
+/// For ground of roughness z0 [m] below `cells`, of which there is one at least.
+RoughWall rough_wall(const std::vector<WallCell>& cells, double z0) {
+  RoughWall wall{z0, 1, {}};
+  if (cells.empty()) return wall;
+  constexpr double kLeast = 1e-6;  // [m] above the ground
+  std::vector<double> factors;
+  for (const WallCell& cell : cells) factors.push_back(1 + z0 / std::max(cell.centre, kLeast));
+  wall.factor = median(factors);
+  for (const WallCell& cell : cells) {
+    const double y = std::max(cell.centre, kLeast);
+    wall.lengths.push_back(y / (std::pow(1 + y / z0, wall.factor) - 1));
+  }
+  return wall;
+}
+
+std::string constants(const CasePatch& patch) {
+  return fmt::format("Cmu {}; kappa {:.8g}; E 9.8;", kCmu, kKarman * patch.rough.factor);
+}
+
+std::string rough_lengths(const RoughWall& wall) {
+  if (wall.lengths.empty()) return fmt::format("uniform {:.8g}", wall.roughness);
+  return scalars(wall.lengths.size(), [&](std::size_t i) { return wall.lengths[i]; });
+}
+
 }  // namespace
 
 Places::Places(const FoamMesh& mesh)
-    : floors(floors_below(mesh.points)),
-      cells(heights_of_cells(mesh, floors)),
-      town(town_of(mesh)) {}
+    : floors(floors_below(mesh.points)), cells(heights_of_cells(mesh, floors)) {
+  for (const FoamPatch& patch : mesh.patches) {
+    std::vector<std::size_t> faces;
+    if (patch.is_wall && !patch.of_building())
+      for (std::size_t f = patch.begin; f < patch.end; ++f) faces.push_back(f);
+    on_walls.push_back(cells_on(mesh, faces));
+  }
+}
 
 FoamFields::FoamFields(const FoamMesh& mesh, const Places& places,
                        const OpenfoamCaseOptions& options)
@@ -111,14 +140,18 @@ FoamFields::FoamFields(const FoamMesh& mesh, const Places& places,
       profile_(options.wind),
       to_(direction(options.wind)),
       patches_(patches_of(mesh, places.floors, options.wind)),
-      top_(height_of_top()) {}
+      top_(height_of_top()) {
+  for (std::size_t i = 0; i < patches_.size(); ++i)
+    if (patches_[i].kind == CasePatch::Kind::kGround)
+      patches_[i].rough = rough_wall(places.on_walls[i], roughness(*patches_[i].patch));
+}
 
 template <typename OfPatch>
 std::string FoamFields::field(const std::string& name, const std::string& type,
                               const char* dimensions, const std::string& inside,
-                              const OfPatch& of_patch) const {
-  std::string text =
-      foam_head(type, name) + fmt::format("dimensions      {};\n\ninternalField   ", dimensions);
+                              const OfPatch& of_patch, const std::string& note) const {
+  std::string text = foam_head(type, name) + note +
+                     fmt::format("dimensions      {};\n\ninternalField   ", dimensions);
   text += inside;
   text += ";\n\nboundaryField\n{\n";
   for (const CasePatch& p : patches_)
@@ -127,12 +160,12 @@ std::string FoamFields::field(const std::string& name, const std::string& type,
 }
 
 /// k and epsilon: `at` gives the values for heights.
-template <typename At>
+template <typename OfWall, typename At>
 std::string FoamFields::turbulence(const std::string& name, const char* dimensions,
-                                   const std::string& inside, const std::string& wall,
+                                   const std::string& inside, const OfWall& of_wall,
                                    const std::string& top, const At& at) const {
   return field(name, "volScalarField", dimensions, inside, [&](const CasePatch& p) -> std::string {
-    if (p.patch->is_wall) return wall;
+    if (p.patch->is_wall) return of_wall(p);
     if (p.kind == CasePatch::Kind::kTop) return fixed(top);
     if (p.role == SideRole::kAlong) return entry("zeroGradient");
     const std::string values = at(p.heights);
@@ -187,45 +220,54 @@ std::string FoamFields::kinetic_energy() const {
                ? scalars(heights.size(), [&](std::size_t i) { return profile_.k(heights[i]); })
                : uniform(0);
   };
-  return turbulence("k", "[0 2 -2 0 0 0 0]", at(places_.cells),
-                    entry("kqRWallFunction", "value " + uniform(0) + ";"), uniform(top_), at);
+  const auto of_wall = [wall = entry("kqRWallFunction", "value " + uniform(0) + ";")](
+                           const CasePatch&) { return wall; };
+  return turbulence("k", "[0 2 -2 0 0 0 0]", at(places_.cells), of_wall, uniform(top_), at);
 }
 
 std::string FoamFields::dissipation() const {
   const auto epsilon = [&](const std::vector<double>& heights) {
     return scalars(heights.size(), [&](std::size_t i) { return profile_.dissipation(heights[i]); });
   };
-  const std::string wall = fmt::format("value uniform {:.8g}; Cmu {}; kappa {}; E 9.8;",
-                                       profile_.dissipation(2), kCmu, kKarman);
-  return turbulence("epsilon", "[0 2 -3 0 0 0 0]", epsilon(places_.cells),
-                    entry("epsilonWallFunction", wall),
+  const auto of_wall = [&](const CasePatch& p) {
+    return entry("epsilonWallFunction",
+                 fmt::format("value uniform {:.8g}; {}", profile_.dissipation(2), constants(p)));
+  };
+  return turbulence("epsilon", "[0 2 -3 0 0 0 0]", epsilon(places_.cells), of_wall,
                     fmt::format("uniform {:.8g}", profile_.dissipation(top_)), epsilon);
 }
 
 std::string FoamFields::eddy_viscosity() const {
-  const std::string constants =
-      fmt::format("Cmu {}; kappa {}; E 9.8; value uniform 0;", kCmu, kKarman);
-  return field("nut", "volScalarField", "[0 2 -1 0 0 0 0]", "uniform 0",
-               [&](const CasePatch& p) -> std::string {
-                 if (!p.patch->is_wall) return entry("calculated", "value uniform 0;");
-                 const double building = options_.building_roughness;
-                 if (p.kind == CasePatch::Kind::kBuilding)
-                   return building > 0
-                              ? entry("nutkAtmRoughWallFunction",
-                                      fmt::format("z0 uniform {:.8g}; {}", building, constants))
-                              : entry("nutkWallFunction", constants);
-                 return entry("nutkAtmRoughWallFunction",
-                              fmt::format("z0 {}; {}", ground_roughness_text(*p.patch), constants));
-               });
+  std::string note =
+      "// On the ground, kappa and z0 make wall functions, which know y, fit the wind, which goes "
+      "by "
+      "y + z0.\n// Roughness lengths:";
+  for (const CasePatch& p : patches_)
+    if (p.kind == CasePatch::Kind::kGround)
+      note += fmt::format(" {} {} m;", p.patch->name, p.rough.roughness);
+  note += "\n\n";
+  return field(
+      "nut", "volScalarField", "[0 2 -1 0 0 0 0]", "uniform 0",
+      [&](const CasePatch& p) -> std::string {
+        if (!p.patch->is_wall) return entry("calculated", "value uniform 0;");
+        const std::string rest = constants(p) + " value uniform 0;";
+        const double building = options_.building_roughness;
+        if (p.kind == CasePatch::Kind::kGround)
+          return entry("nutkAtmRoughWallFunction",
+                       fmt::format("z0 {}; {}", rough_lengths(p.rough), rest));
+        return building > 0 ? entry("nutkAtmRoughWallFunction",
+                                    fmt::format("z0 uniform {:.8g}; {}", building, rest))
+                            : entry("nutkWallFunction", rest);
+      },
+      note);
 }
 
-double FoamFields::roughness(const FoamPatch& patch, std::size_t f) const {
+double FoamFields::roughness(const FoamPatch& patch) const {
   const auto own = options_.patch_roughness.find(patch.name);
   if (own != options_.patch_roughness.end()) return own->second;
-  if (options_.ground_roughness <= 0) return options_.wind.roughness;
-  const Point3 at = face_geometry(mesh_, f).centre;
-  return places_.town.contains({at[0], at[1]}) ? options_.ground_roughness
-                                               : options_.wind.roughness;
+  const bool is_land = patch.name == kOpenLand || mesh_.town.empty();
+  return is_land || options_.ground_roughness <= 0 ? options_.wind.roughness
+                                                   : options_.ground_roughness;
 }
 
 /// Of the top above the ground along the sides, the mean of it.
@@ -241,13 +283,6 @@ double FoamFields::height_of_top() const {
       }
   }
   return count > 0 ? highest - sum / count : options_.wind.height;
-}
-
-std::string FoamFields::ground_roughness_text(const FoamPatch& patch) const {
-  if (options_.ground_roughness <= 0 || options_.patch_roughness.contains(patch.name))
-    return fmt::format("uniform {:.8g}", roughness(patch, patch.begin));
-  return scalars(patch.end - patch.begin,
-                 [&](std::size_t i) { return roughness(patch, patch.begin + i); });
 }
 
 }  // namespace tetropolis

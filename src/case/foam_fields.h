@@ -10,17 +10,34 @@
 
 #include "tetropolis/case/openfoam_case.h"
 
+#include "foam_heights.h"
 #include "foam_mesh.h"
 
 namespace tetropolis {
 
-/// What is the same for all winds over a mesh: heights, and where the buildings are.
+/// Heights, the same for all winds over a mesh.
 struct Places {
   explicit Places(const FoamMesh& mesh);
 
-  std::vector<double> floors;  ///< floors_below the points.
-  std::vector<double> cells;   ///< heights_of_cells.
-  Bounds2 town;                ///< town_of.
+  std::vector<double> floors;                   ///< floors_below the points.
+  std::vector<double> cells;                    ///< heights_of_cells.
+  std::vector<std::vector<WallCell>> on_walls;  ///< Per patch of the mesh, cells_on its faces;
+                                                ///< empty where it is not of the ground.
+};
+
+/// Rough ground for wall functions. The wind is in balance over it if they take y + z0 for the
+/// distance y of a cell's centre: U = u*/kappa ln((y + z0)/z0), epsilon and production of k as
+/// u*^3/(kappa (y + z0)) (Richards & Hoxey, Appropriate boundary conditions for computational wind
+/// engineering models using the k-epsilon turbulence model, J. Wind Eng. Ind. Aerodyn. 46-47, 1993;
+/// Parente et al., Improved k-epsilon model and wall function formulation for the RANS simulation
+/// of ABL flows, J. Wind Eng. Ind. Aerodyn. 99, 2011). OpenFOAM's epsilonWallFunction takes y:
+/// twice too much where y = z0. kappa * factor for kappa, factor = (y + z0)/y, gives what is
+/// wanted. nutkAtmRoughWallFunction has the same kappa; lengths z with factor/ln(1 + y/z) = 1/ln(1
+/// + y/z0) leave its stress as it is with z0.
+struct RoughWall {
+  double roughness = 0;         ///< z0 [m].
+  double factor = 1;            ///< The median of the patch.
+  std::vector<double> lengths;  ///< Per face [m].
 };
 
 /// A patch of the case: what it is, and the wind at its faces.
@@ -29,6 +46,7 @@ struct CasePatch {
   enum class Kind : std::uint8_t { kGround, kBuilding, kTop, kSide } kind = Kind::kGround;
   SideRole role = SideRole::kAlong;  ///< Of a side.
   std::vector<double> heights;       ///< Per face of a side: of its centre, above the ground.
+  RoughWall rough;                   ///< Of ground; factor 1 elsewhere.
 };
 
 class FoamFields {
@@ -38,9 +56,6 @@ class FoamFields {
 
   /// Those of the mesh, in its order.
   const std::vector<CasePatch>& patches() const { return patches_; }
-  /// Roughness [m] of the ground at face f of a patch.
-  double roughness(const FoamPatch& patch, std::size_t f) const;
-
   /// The files of 0/.
   std::string velocity() const;
   std::string pressure() const;
@@ -51,12 +66,13 @@ class FoamFields {
  private:
   template <typename OfPatch>
   std::string field(const std::string& name, const std::string& type, const char* dimensions,
-                    const std::string& inside, const OfPatch& of_patch) const;
-  template <typename At>
+                    const std::string& inside, const OfPatch& of_patch,
+                    const std::string& note = "") const;
+  template <typename OfWall, typename At>
   std::string turbulence(const std::string& name, const char* dimensions, const std::string& inside,
-                         const std::string& wall, const std::string& top, const At& at) const;
+                         const OfWall& of_wall, const std::string& top, const At& at) const;
   double height_of_top() const;
-  std::string ground_roughness_text(const FoamPatch& patch) const;
+  double roughness(const FoamPatch& patch) const;
 
   const FoamMesh& mesh_;
   const Places& places_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <unordered_map>
 #include <utility>
 
 #include "geometry/vec3.h"
@@ -70,33 +71,44 @@ std::vector<double> heights_of_cells(const FoamMesh& mesh, const std::vector<dou
   return sum;
 }
 
-std::unordered_map<std::int32_t, double> heights_on(const FoamMesh& mesh,
-                                                    std::span<const std::size_t> faces) {
-  struct Plane {
-    Point3 point{};
-    Point3 area{};
-    double size = 0;
+std::vector<WallCell> cells_on(const FoamMesh& mesh, std::span<const std::size_t> faces) {
+  struct Corners {
+    Point3 sum{};
+    double count = 0;
+    std::vector<Point3> points;
   };
-  std::unordered_map<std::int32_t, Plane> planes;
-  std::unordered_map<std::int32_t, double> heights;
-  for (const std::size_t f : faces) {
-    const FaceGeometry face = face_geometry(mesh, f);
-    if (const double size = length(face.area); size > 0)
-      planes[mesh.owner[f]] = {face.centre, face.area, size};
-  }
+  std::unordered_map<std::int32_t, Corners> corners;
+  for (const std::size_t f : faces) corners[mesh.owner[f]];
   const auto look = [&](std::int32_t cell, std::size_t f) {
-    const auto found = planes.find(cell);
-    if (found == planes.end()) return;
-    double& height = heights[cell];
-    const Plane& plane = found->second;
-    for (const std::int32_t p : mesh.face(f))  // normals leave the cell
-      height = std::max(height, -dot(minus(mesh.point(p), plane.point), plane.area) / plane.size);
+    const auto found = corners.find(cell);
+    if (found == corners.end()) return;
+    for (const std::int32_t p : mesh.face(f)) {
+      const Point3& at = mesh.point(p);
+      found->second.points.push_back(at);
+      for (std::size_t c = 0; c < 3; ++c) found->second.sum[c] += at[c];
+      ++found->second.count;
+    }
   };
   for (std::size_t f = 0; f < mesh.faces(); ++f) {
     look(mesh.owner[f], f);
     if (f < mesh.neighbour.size()) look(mesh.neighbour[f], f);
   }
-  return heights;
+  std::vector<WallCell> cells;
+  cells.reserve(faces.size());
+  for (const std::size_t f : faces) {
+    const FaceGeometry face = face_geometry(mesh, f);
+    const double size = length(face.area);
+    const Corners& cell = corners.at(mesh.owner[f]);
+    const auto above = [&](const Point3& at) {  // normals leave the cell
+      return size > 0 ? -dot(minus(at, face.centre), face.area) / size : 0;
+    };
+    WallCell one;
+    for (const Point3& at : cell.points) one.height = std::max(one.height, above(at));
+    const double n = cell.count;
+    one.centre = above({cell.sum[0] / n, cell.sum[1] / n, cell.sum[2] / n});
+    cells.push_back(one);
+  }
+  return cells;
 }
 
 }  // namespace tetropolis

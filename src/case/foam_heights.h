@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 #include "foam_mesh.h"
@@ -23,9 +22,13 @@ double height_above_floor(const FoamMesh& mesh, const std::vector<double>& floor
 /// Per cell [m], the mean height of its corners above their floors (per point of the mesh).
 std::vector<double> heights_of_cells(const FoamMesh& mesh, const std::vector<double>& floors);
 
-/// Per cell that owns one of the faces, how high it is above that face [m]: its farthest corner
-/// from the face's plane.
-std::unordered_map<std::int32_t, double> heights_on(const FoamMesh& mesh,
-                                                    std::span<const std::size_t> faces);
+/// A cell over a face of its own, by distances from the face's plane [m].
+struct WallCell {
+  double height = 0;  ///< Of its farthest corner.
+  double centre = 0;  ///< Of the mean of its corners (each as often as faces have it).
+};
+
+/// Those over boundary faces, in their order.
+std::vector<WallCell> cells_on(const FoamMesh& mesh, std::span<const std::size_t> faces);
 
 }  // namespace tetropolis

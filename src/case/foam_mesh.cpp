@@ -9,6 +9,7 @@
 #include <iterator>
 #include <optional>
 #include <regex>
+#include <sstream>
 #include <string_view>
 #include <system_error>
 
@@ -16,7 +17,7 @@
 
 #include "tetropolis/core/error.h"
 
-#include "core/infinity.h"
+#include "geometry/town.h"
 #include "geometry/vec3.h"
 
 namespace tetropolis {
@@ -77,6 +78,16 @@ class FoamFile {
   std::string header_;
   std::size_t at_ = 0;
 };
+
+/// Of the note that write_openfoam leaves; zeros without one.
+Point3 origin_in(const std::string& header) {
+  Point3 origin{};
+  const std::size_t at = header.find("\"origin ");
+  if (at == std::string::npos) return origin;
+  std::istringstream numbers(header.substr(at + 8));
+  for (double& c : origin) numbers >> c;
+  return origin;
+}
 
 std::vector<FoamPatch> read_patches(const fs::path& path) {
   const FoamFile file(path);
@@ -187,6 +198,60 @@ void require_consistent(const fs::path& folder, const FoamMesh& mesh) {
   if (next != mesh.faces()) fail(folder / "boundary", "some faces have no patch");
 }
 
+Bounds2 town_of(const FoamMesh& mesh) {
+  Town town;
+  for (const FoamPatch& patch : mesh.patches) {
+    if (!patch.of_building()) continue;
+    for (std::size_t f = patch.begin; f < patch.end; ++f)
+      for (const std::int32_t corner : mesh.face(f)) town.add(mesh.point(corner));
+  }
+  return town.bounds();
+}
+
+/// The file `boundary` with its patch `ground` in two, the second from face `at`. The rest stays.
+std::string with_open_land(std::string text, const FoamPatch& ground, std::size_t at) {
+  std::smatch entry;
+  std::regex_search(text, entry, std::regex(R"(\sground\s*\{[^}]*\})"));
+  const auto part = [&, whole = entry.str()](const char* name, std::size_t begin, std::size_t end) {
+    std::string one =
+        std::regex_replace(whole, std::regex(R"(^\sground)"), std::string(" ") + name);
+    one = std::regex_replace(one, std::regex(R"(nFaces(\s+)\d+)"),
+                             fmt::format("nFaces$01{}", end - begin));
+    return std::regex_replace(one, std::regex(R"(startFace(\s+)\d+)"),
+                              fmt::format("startFace$01{}", begin));
+  };
+  text.replace(static_cast<std::size_t>(entry.position()), entry.str().size(),
+               part("ground", ground.begin, at) + "\n   " + part(kOpenLand, at, ground.end));
+  const std::size_t count = text.find_first_of("0123456789", text.find('}'));
+  const std::size_t end = text.find_first_not_of("0123456789", count);
+  return text.replace(count, end - count,
+                      std::to_string(std::stoul(text.substr(count, end - count)) + 1));
+}
+
+void split_off_open_land(const fs::path& folder, FoamMesh& mesh) {
+  constexpr double kHair = 1e-3;  // [m]; the writer has sorted other roundings of these centres
+  const auto ground = std::find_if(mesh.patches.begin(), mesh.patches.end(),
+                                   [](const FoamPatch& patch) { return patch.name == "ground"; });
+  if (ground == mesh.patches.end() || mesh.town.empty()) return;
+  const auto is_within = [&](const Bounds2& box, std::size_t f) {
+    const Point3 centre = face_geometry(mesh, f).centre;
+    return box.contains({centre[0], centre[1]});
+  };
+  std::size_t at = ground->begin;
+  while (at < ground->end && is_within(mesh.town.grown(kHair), at)) ++at;
+  for (std::size_t f = at; f < ground->end; ++f)
+    if (is_within(mesh.town.grown(-kHair), f))
+      fail(folder / "faces",
+           "has the ground among the buildings not first: renumbered, or of an older version");
+  if (at == ground->end) return;
+  const fs::path path = folder / "boundary";
+  std::ifstream file(path, std::ios::binary);
+  mesh.new_boundary = with_open_land({std::istreambuf_iterator<char>(file), {}}, *ground, at);
+  const FoamPatch rest{kOpenLand, true, at, ground->end};
+  ground->end = at;
+  mesh.patches.insert(ground + 1, rest);
+}
+
 }  // namespace
 
 FaceGeometry face_geometry(const FoamMesh& mesh, std::size_t f) {
@@ -213,27 +278,13 @@ FaceGeometry face_geometry(const FoamMesh& mesh, std::size_t f) {
   return face;
 }
 
-Bounds2 town_of(const FoamMesh& mesh) {
-  Bounds2 box = Bounds2::nothing();
-  double low = kInfinity, high = -kInfinity;
-  for (const FoamPatch& patch : mesh.patches) {
-    if (!patch.of_building()) continue;
-    for (std::size_t f = patch.begin; f < patch.end; ++f)
-      for (const std::int32_t corner : mesh.face(f)) {
-        const Point3& at = mesh.point(corner);
-        box.extend(Point2{at[0], at[1]});
-        low = std::min(low, at[2]);
-        high = std::max(high, at[2]);
-      }
-  }
-  return box.empty() ? box : box.grown(high - low);
-}
-
 FoamMesh read_foam_mesh(const fs::path& folder) {
   FoamMesh mesh;
   std::error_code error;
   if (!fs::is_directory(folder, error)) fail(folder, "is not there");
-  mesh.points = FoamFile(folder / "points").list<Point3>();
+  FoamFile points(folder / "points");
+  mesh.points = points.list<Point3>();
+  mesh.origin = origin_in(points.header());
   FoamFile faces(folder / "faces");
   mesh.face_start = faces.list<std::int32_t>();
   mesh.face_points = faces.list<std::int32_t>();
@@ -246,6 +297,8 @@ FoamMesh read_foam_mesh(const fs::path& folder) {
   mesh.patches = read_patches(folder / "boundary");
   mesh.canopies = read_canopies(folder / "cellZones", mesh.cell_count);
   require_consistent(folder, mesh);
+  mesh.town = town_of(mesh);
+  split_off_open_land(folder, mesh);
   return mesh;
 }
 

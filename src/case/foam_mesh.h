@@ -12,6 +12,9 @@
 
 namespace tetropolis {
 
+/// The ground outside the town, once a case has made it a patch.
+inline constexpr const char* kOpenLand = "open_land";
+
 struct FoamPatch {
   std::string name;
   bool is_wall = false;
@@ -32,12 +35,16 @@ struct FoamCanopy {
 
 struct FoamMesh {
   std::vector<Point3> points;
+  Point3 origin{};                       ///< What the points' coordinates are relative to.
   std::vector<std::int32_t> face_start;  ///< F + 1 offsets into face_points.
   std::vector<std::int32_t> face_points;
   std::vector<std::int32_t> owner;      ///< Per face.
   std::vector<std::int32_t> neighbour;  ///< Per internal face; these come first.
   std::vector<FoamPatch> patches;
   std::vector<FoamCanopy> canopies;  ///< Zones of cells that have a leafAreaDensity.
+  Bounds2 town;                      ///< Town of its buildings.
+  /// What constant/polyMesh/boundary has to be for `patches`; empty if that is what it is.
+  std::string new_boundary;
 
   std::size_t faces() const { return owner.size(); }
   std::size_t cells() const { return cell_count; }
@@ -58,12 +65,8 @@ struct FaceGeometry {
 };
 FaceGeometry face_geometry(const FoamMesh& mesh, std::size_t f);
 
-/// The box around the buildings, wider by the height of the highest above the lowest ground; empty
-/// if there are none.
-Bounds2 town_of(const FoamMesh& mesh);
-
-/// Reads `folder` (constant/polyMesh). Throws Error(kInput) naming the file, what is wrong and what
-/// to do.
+/// Reads `folder` (constant/polyMesh). Ground outside the town becomes the patch kOpenLand, behind
+/// `ground`. Throws Error(kInput) naming the file, what is wrong and what to do.
 FoamMesh read_foam_mesh(const std::filesystem::path& folder);
 
 }  // namespace tetropolis

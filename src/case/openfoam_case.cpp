@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/io/file/write_file.h"
 
 #include "case_files.h"
 #include "core/median.h"
@@ -92,15 +93,17 @@ void add_files_of(const FoamMesh& mesh, const OpenfoamCaseOptions& options,
 }
 
 /// What all winds over a mesh share: points and the programs that look at them.
-void add_shared_files(const OpenfoamCaseOptions& options, const SamplePoints& samples,
-                      std::vector<CaseFile>& files) {
+void add_shared_files(const FoamMesh& mesh, const OpenfoamCaseOptions& options,
+                      const SamplePoints& samples, std::vector<CaseFile>& files) {
   files.emplace_back("system/pedestrian", [&] { return pedestrian_dict(options, samples); });
   files.emplace_back("wind.py",
                      known(replaced(foam_texts::kWindPy,
                                     {{"@SPEED@", fmt::format("{}", options.wind.speed)},
                                      {"@HEIGHT@", fmt::format("{}", options.wind.height)},
                                      {"@SAMPLE_HEIGHT@", fmt::format("{}", options.sample_height)},
-                                     {"@SPACING@", fmt::format("{}", samples.spacing)}})));
+                                     {"@SPACING@", fmt::format("{}", samples.spacing)},
+                                     {"@X@", fmt::format("{}", mesh.origin[0])},
+                                     {"@Y@", fmt::format("{}", mesh.origin[1])}})));
 }
 
 std::string allrun(const OpenfoamCaseOptions& options, const char* look) {
@@ -151,6 +154,11 @@ OpenfoamCaseOptions checked(OpenfoamCaseOptions options) {
   return options;
 }
 
+void write_boundary(const fs::path& folder, const FoamMesh& mesh) {
+  if (!mesh.new_boundary.empty())
+    write_file(folder / "constant/polyMesh/boundary", mesh.new_boundary);
+}
+
 /// Names that nobody has are mistyped; those that are there by default need not be patches.
 void require_patches(const FoamMesh& mesh, const OpenfoamCaseOptions& options) {
   std::vector<std::string> ground;
@@ -165,35 +173,17 @@ void require_patches(const FoamMesh& mesh, const OpenfoamCaseOptions& options) {
                               fmt::join(ground, ", ")));
 }
 
-/// First cells on the ground, against the roughness there.
-void look_at_ground(const FoamMesh& mesh, const FoamFields& fields, OpenfoamCase& result) {
-  std::vector<std::size_t> faces;
-  for (const CasePatch& p : fields.patches())
-    if (p.kind == CasePatch::Kind::kGround)
-      for (std::size_t f = p.patch->begin; f < p.patch->end; ++f) faces.push_back(f);
-  const auto heights = heights_on(mesh, faces);
-  std::vector<double> own;
-  for (const CasePatch& p : fields.patches()) {
-    if (p.kind != CasePatch::Kind::kGround) continue;
-    for (std::size_t f = p.patch->begin; f < p.patch->end; ++f) {
-      const auto found = heights.find(mesh.owner[f]);
-      if (found == heights.end()) continue;
-      own.push_back(found->second);
-      // A hair below is rounding.
-      const double least = kRoughnessLengths * fields.roughness(*p.patch, f);
-      if (found->second < least * (1 - 1e-6)) ++result.shallow;
-    }
-  }
-  result.ground_faces = std::ssize(own);
-  if (!own.empty()) result.first_cell = median(own);
-}
-
-OpenfoamCase facts_of(const FoamMesh& mesh, const FoamFields& fields, const SamplePoints& samples) {
+OpenfoamCase facts_of(const FoamMesh& mesh, const Places& places, const FoamFields& fields,
+                      const SamplePoints& samples) {
   OpenfoamCase result;
   for (const CasePatch& p : fields.patches())
     if (p.kind == CasePatch::Kind::kSide && p.patch->begin < p.patch->end)
       result.sides.push_back({p.patch->name, p.role});
-  look_at_ground(mesh, fields, result);
+  std::vector<double> first;
+  for (const std::vector<WallCell>& cells : places.on_walls)
+    for (const WallCell& cell : cells) first.push_back(cell.height);
+  result.ground_faces = std::ssize(first);
+  if (!first.empty()) result.first_cell = median(first);
   result.canopies = std::ssize(mesh.canopies);
   for (const FoamCanopy& canopy : mesh.canopies) result.canopy_cells += std::ssize(canopy.cells);
   result.samples = static_cast<std::int64_t>(samples.points.size());
@@ -210,17 +200,19 @@ OpenfoamCase write_openfoam_case(const fs::path& folder, const OpenfoamCaseOptio
   const Places places(mesh);
   const FoamFields fields(mesh, places, options);
   const SamplePoints samples =
-      sample_points(mesh, places.town, options.sample_height, options.sample_spacing);
+      sample_points(mesh, mesh.town, options.sample_height, options.sample_spacing);
   const std::vector<LeafMarks> marks = marks_of(options, mesh);
   std::vector<CaseFile> files;
   add_files_of(mesh, options, fields, marks, "pedestrian", "", files);
-  add_shared_files(options, samples, files);
+  add_shared_files(mesh, options, samples, files);
   // The last: a folder with it is a whole case.
   files.emplace_back("Allrun", known(allrun(options, "wind.py")));
-  write_case_files(folder, files, options.overwrite);
+  if (!options.overwrite) require_new(folder, files);
+  write_boundary(folder, mesh);
+  write_case_files(folder, files);
   remove_leaves(folder, mesh, marks.size());
   let_run(folder / "Allrun");
-  return facts_of(mesh, fields, samples);
+  return facts_of(mesh, places, fields, samples);
 }
 
 std::string folder_of_wind(double from) {
@@ -252,12 +244,12 @@ std::vector<OpenfoamCase> write_openfoam_cases(const fs::path& folder,
   require_patches(mesh, options);
   const Places places(mesh);
   const SamplePoints samples =
-      sample_points(mesh, places.town, options.sample_height, options.sample_spacing);
+      sample_points(mesh, mesh.town, options.sample_height, options.sample_spacing);
   const std::vector<LeafMarks> marks = marks_of(options, mesh);
   std::vector<FoamFields> fields;
   fields.reserve(winds.size());
   std::vector<CaseFile> files;
-  add_shared_files(options, samples, files);
+  add_shared_files(mesh, options, samples, files);
   for (const OpenfoamCaseOptions& wind : winds) {
     const std::string into = folder_of_wind(wind.wind.from) + "/";
     fields.emplace_back(mesh, places, wind);
@@ -267,15 +259,16 @@ std::vector<OpenfoamCase> write_openfoam_cases(const fs::path& folder,
   files.emplace_back("rose.py", known(replaced(foam_texts::kRosePy, {{"@WINDS@", names}})));
   files.emplace_back("Allrun", known(replaced(foam_texts::kAllrunWinds, {{"@WINDS@", names}})));
   if (!options.overwrite) require_new(folder, files);
+  write_boundary(folder, mesh);
   for (const std::string& name : seen)
     link_folder(folder / name / "constant/polyMesh", "../../constant/polyMesh");
-  write_case_files(folder, files, options.overwrite);
+  write_case_files(folder, files);
   let_run(folder / "Allrun");
   std::vector<OpenfoamCase> results;
   for (std::size_t i = 0; i < winds.size(); ++i) {
     remove_leaves(folder / folder_of_wind(winds[i].wind.from), mesh, marks.size());
     let_run(folder / folder_of_wind(winds[i].wind.from) / "Allrun");
-    results.push_back(facts_of(mesh, fields[i], samples));
+    results.push_back(facts_of(mesh, places, fields[i], samples));
   }
   return results;
 }

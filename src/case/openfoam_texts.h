@@ -85,6 +85,7 @@ inline constexpr const char* kAllrun = R"TEXT(#!/bin/sh
 # Solves the case:   ./Allrun      by one process
 #                    ./Allrun 8    by eight, with mpirun
 # What programs say is in log.NAME; wind.py prints the figures and draws pedestrian.png.
+# A run that was cut goes on from what is written of it with @SOLVER@ in this folder.
 cd "${0%/*}" || exit 1
 processes=${1:-1}
 # Debian's OpenFOAM does not know where it is.
@@ -110,7 +111,7 @@ if ! command -v $SOLVER >/dev/null; then
 fi
 
 # What an earlier run has left.
-rm -rf processor[0-9]* postProcessing pedestrian.png
+rm -rf processor[0-9]* postProcessing pedestrian.p?*
 for time in [1-9]*; do
   case $time in *[!0-9.]*) ;; *) rm -rf "$time" ;; esac
 done
@@ -158,6 +159,7 @@ import zlib
 
 REFERENCE = @SPEED@  # m/s at @HEIGHT@ m
 SAMPLE_HEIGHT, SPACING = @SAMPLE_HEIGHT@, @SPACING@  # of the points where people are [m]
+ORIGIN = @X@, @Y@  # of the mesh, on the map
 COLOURS = [(48, 18, 59), (70, 107, 227), (27, 208, 213), (122, 252, 98), (249, 186, 57), (240, 91, 18), (122, 4, 3)]
 
 
@@ -220,7 +222,7 @@ def colour(share):
 
 
 def draw(path, speeds, spacing, most):
-    """North up, a bar of speeds from 0 to `most` below."""
+    """North up, a bar of speeds from 0 to `most` below; a world file says where it lies on the map."""
     columns = [round(x / spacing - 0.5) for x, _ in speeds]
     lines = [round(y / spacing - 0.5) for _, y in speeds]
     left, bottom = min(columns), min(lines)
@@ -236,6 +238,10 @@ def draw(path, speeds, spacing, most):
     bar = [value for i in range(width * scale) for value in colour(i / max(width * scale - 1, 1))]
     rows += [[255] * len(bar)] * 6 + [bar] * 12
     png(path, rows)
+    pixel = spacing / scale
+    path.with_suffix(".pgw").write_text(
+        f"{pixel}\n0\n0\n{-pixel}\n{ORIGIN[0] + left * spacing + pixel / 2}\n"
+        f"{ORIGIN[1] + (bottom + height) * spacing - pixel / 2}\n")
 
 
 def people(case):

@@ -24,23 +24,25 @@ inline constexpr const char* kRosePy = R"TEXT(#!/usr/bin/env python3
 
 python3 rose.py [--frequencies FILE] [--threshold SPEED]   needs Python alone.
 
-rose.csv: per point the speed over that of the undisturbed wind, for the wind from each direction (w045).
+rose.csv: per point, on the map, the speed over that of the undisturbed wind, for the wind from each direction (w045).
 Without FILE also their mean, and the highest and where it comes from.
 FILE (frequencies.csv beside this program, if it is there) is a table with a heading:
     direction,frequency,speed[,shape]
 with how often the wind comes from there (any unit), its mean speed at the height of the cases' wind [m/s], and the
 shape of its Weibull distribution (2 if it is not given, Rayleigh's). A row belongs to the nearest of the directions.
-With it: the mean speed, and the share of time above the threshold (5 m/s: NEN 8100).
+With it: the mean speed, and the shares of time above the threshold (5 m/s: comfort in NEN 8100) and 15 m/s (danger).
 """
 import argparse
 import csv
 import math
 import pathlib
 
-from wind import REFERENCE, SPACING, draw, people
+from wind import ORIGIN, REFERENCE, SPACING, draw, people
 
 WINDS = "@WINDS@".split()
-CLASSES = [("A", 0.025), ("B", 0.05), ("C", 0.1), ("D", 0.2), ("E", math.inf)]  # NEN 8100: share of time above 5 m/s
+# NEN 8100: shares of time above 5 m/s, and above 15 m/s
+COMFORT = [("A", 0.025), ("B", 0.05), ("C", 0.1), ("D", 0.2), ("E", math.inf)]
+DANGER = [("none", 0.0005), ("limited", 0.003), ("dangerous", math.inf)]
 
 
 def read_frequencies(path):
@@ -76,6 +78,21 @@ def above(threshold, mean, shape):
     return math.exp(-(threshold * math.gamma(1 + 1 / shape) / mean) ** shape)
 
 
+def classed(values, classes):
+    """How much of the ground is in each."""
+    shares, least = [], -1
+    for name, most in classes:
+        shares.append(f"{name} {100 * sum(least < value <= most for value in values) / len(values):.1f} %")
+        least = most
+    return ", ".join(shares)
+
+
+def unsettled(case):
+    """Whether the run ended at its last iteration, with residuals that were still above their limits."""
+    logs = [case / name for name in ("log.simpleFoam", "log.foamRun") if (case / name).exists()]
+    return bool(logs) and not any("solution converged" in log.read_text(errors="replace") for log in logs)
+
+
 def main():
     folder = pathlib.Path(__file__).parent
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -93,6 +110,8 @@ def main():
         raise SystemExit(f"{folder}: no wind is solved yet: ./Allrun")
     if missing:
         print(f"note          not solved, and left out: {' '.join(missing)}")
+    if unfinished := [wind for wind in solved if unsettled(folder / wind)]:
+        print(f"note          residuals are not below their limits yet: {' '.join(unfinished)}")
     places = sorted(set.intersection(*(set(points) for points in found.values() if points)), key=lambda p: (p[1], p[0]))
     ratios = {p: [found[wind][p][1] / REFERENCE for wind in solved] for p in places}
 
@@ -106,9 +125,10 @@ def main():
         rows = [(solved.index(wind), *more) for wind, *more in rows]
         columns["mean_speed"] = {p: math.fsum(share * r[i] * speed for i, share, speed, _ in rows)
                                  for p, r in ratios.items()}
-        columns[f"above_{arguments.threshold:g}"] = {
-            p: math.fsum(share * above(arguments.threshold, r[i] * speed, shape) for i, share, speed, shape in rows)
-            for p, r in ratios.items()}
+        for limit in arguments.threshold, 15:
+            columns[f"above_{limit:g}"] = {
+                p: math.fsum(share * above(limit, r[i] * speed, shape) for i, share, speed, shape in rows)
+                for p, r in ratios.items()}
     else:
         columns["mean"] = {p: math.fsum(r) / len(r) for p, r in ratios.items()}
         columns["highest"] = {p: max(r) for p, r in ratios.items()}
@@ -118,7 +138,7 @@ def main():
         table = csv.writer(file)
         table.writerow(["x", "y", "z", *solved, *columns])
         for p in places:
-            table.writerow([f"{p[0]:.10g}", f"{p[1]:.10g}", f"{found[solved[0]][p][0]:.8g}",
+            table.writerow([f"{ORIGIN[0] + p[0]:.10g}", f"{ORIGIN[1] + p[1]:.10g}", f"{found[solved[0]][p][0]:.8g}",
                             *(f"{r:.4f}" for r in ratios[p]), *(f"{column[p]:.5g}" for column in columns.values())])
     print(f"table         {folder / 'rose.csv'}: {len(places)} points, speed over {REFERENCE:g} m/s for {len(solved)} winds")
 
@@ -128,19 +148,15 @@ def main():
         print(f"picture       {path}: {what}, north up, buildings grey")
 
     if rows:
-        speed, windy = columns.values()
+        speed, windy, dangerous = columns["mean_speed"], columns[f"above_{arguments.threshold:g}"], columns["above_15"]
         show("rose", speed, 5, "mean speed, 0 to 5 m/s")
         show("above", windy, 0.2, f"share of time above {arguments.threshold:g} m/s, 0 to 20 %")
         mean = math.fsum(speed.values()) / len(speed)
         print(f"pedestrians   mean speed {mean:.2f} m/s; "
               f"{100 * math.fsum(windy.values()) / len(windy):.2f} % of the time above {arguments.threshold:g} m/s")
         if arguments.threshold == 5:
-            shares, least = [], -1
-            for name, most in CLASSES:
-                count = sum(least < value <= most for value in windy.values())
-                shares.append(f"{name} {100 * count / len(windy):.1f} %")
-                least = most
-            print(f"NEN 8100      {', '.join(shares)} of the ground")
+            print(f"NEN 8100      comfort: {classed(windy.values(), COMFORT)} of the ground")
+        print(f"NEN 8100      danger: {classed(dangerous.values(), DANGER)}")
     else:
         show("rose", columns["mean"], 1, "mean of all winds over the undisturbed one, 0 to 1")
 

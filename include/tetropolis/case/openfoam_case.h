@@ -18,14 +18,11 @@ namespace tetropolis {
 enum class FoamDialect : std::uint8_t { kCom, kOrg };
 inline constexpr std::array<std::string_view, 2> kFoamDialectNames = {"com", "org"};
 
-/// Wall functions of rough walls need cells as high as that many roughness lengths at least.
-inline constexpr double kRoughnessLengths = 4;
-
 struct OpenfoamCaseOptions {
   Wind wind;
   FoamDialect dialect = FoamDialect::kCom;
-  double ground_roughness = 0;  ///< Of the ground among the buildings and one height of the highest
-                                ///< around them [m]; 0: that of the wind.
+  double ground_roughness = 0.03;  ///< Of the ground among the buildings and one height of the
+                                   ///< highest around them [m]; 0: that of the wind.
   /// Of patches of the ground by their name [m], > 0; of others as said above.
   std::map<std::string, double> patch_roughness = {
       {"water", 0.0002}, {"road", 0.005}, {"vegetation", 0.1}};
@@ -56,10 +53,8 @@ struct OpenfoamCase {
   };
   std::vector<Side> sides;
   std::int64_t ground_faces = 0;
-  double first_cell = 0;      ///< Height of the cells on the ground [m], the median.
-  std::int64_t shallow = 0;   ///< Ground faces whose cell is lower than kRoughnessLengths of it:
-                              ///< wall functions overstate the wind there.
-  std::int64_t canopies = 0;  ///< Zones of leaves,
+  double first_cell = 0;          ///< Height of the cells on the ground [m], the median.
+  std::int64_t canopies = 0;      ///< Zones of leaves,
   std::int64_t canopy_cells = 0;  ///< and their cells.
   std::int64_t samples = 0;       ///< Points at sample_height.
   double sample_spacing = 0;      ///< [m]
@@ -75,7 +70,10 @@ struct OpenfoamCase {
 /// flow in a stand of widely-spaced trees, PHOENICS J. 5, 1992), by OpenFOAM's
 /// kEpsilonLopesdaCosta. Sanz (A note on k-epsilon modelling of vegetation canopy air-flows,
 /// Boundary-Layer Meteorol. 108, 2003) derives 6.5 and 1.5 for Cmu = 0.09: with these, k and
-/// epsilon do not settle. Each file appears complete or not at all; the mesh is not touched.
+/// epsilon do not settle. Ground outside the town becomes the patch open_land of
+/// constant/polyMesh/boundary, which has the roughness of the wind; else the mesh is not touched.
+/// Rough walls are in balance with the wind in cells of any height (RoughWall in
+/// src/case/foam_fields.h). Each file appears complete or not at all.
 /// Errors: kUsage for options out of range, and for files that are there unless `overwrite`; kInput
 /// for a mesh that is missing or is none, and files that cannot be written.
 OpenfoamCase write_openfoam_case(const std::filesystem::path& folder,

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,6 +16,7 @@
 #include "tetropolis/core/error.h"
 
 #include "column_output.h"
+#include "geometry/town.h"
 #include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
 #include "write_internal_faces.h"
@@ -67,18 +69,47 @@ void write_points(AtomicFile& file, const ColumnMesh& mesh, const Placement& pla
   end_list(file);
 }
 
-/// Appends what append(f, buffer) does for the boundary faces, by their number.
+/// The boundary faces as they are written: those of the open ground within the town come first, so
+/// that a case can make the others a patch of their own.
+std::vector<std::size_t> order_of_faces(const SurfaceMesh& surface) {
+  const SurfaceFaces faces(surface);
+  Town town;
+  for (std::size_t i = 0; i < surface.triangles.size(); ++i)
+    if (surface.patch_of(i).of_building())
+      for (const std::int32_t p : surface.triangles[i])
+        town.add(surface.points[static_cast<std::size_t>(p)]);
+  const auto is_in_town = [&, box = town.bounds()](std::size_t f) {
+    Point2 centre;
+    for (const std::int32_t p : surface.triangles[faces.triangle(f)]) {
+      const auto& corner = surface.points[static_cast<std::size_t>(p)];
+      centre.x += corner[0] / 3;
+      centre.y += corner[1] / 3;
+    }
+    return box.contains(centre);
+  };
+  std::vector<std::size_t> order(faces.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto ground = std::partition_point(order.begin(), order.end(), [&](std::size_t f) {
+    return surface.patch[faces.triangle(f)] == Patch::kGround;
+  });
+  std::stable_partition(order.begin(), ground, is_in_town);
+  return order;
+}
+
+/// Appends what append(f, buffer) does for the boundary faces, by their number, in that order.
 template <typename Append>
-void write_outer(AtomicFile& file, const SurfaceMesh& surface, const Append& append) {
-  write_chunked(file, SurfaceFaces(surface).size(), kRows,
+void write_outer(AtomicFile& file, const std::vector<std::size_t>& order, const Append& append) {
+  write_chunked(file, order.size(), kRows,
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                  for (std::size_t f = begin; f < end; ++f) append(f, buffer);
+                  for (std::size_t i = begin; i < end; ++i) append(order[i], buffer);
                 });
 }
 
 /// A "compact" list of faces: offsets into the list of corners that follows, and that list.
+/// Precondition: `order` moves triangles only.
 void write_faces(AtomicFile& file, const ColumnMesh& mesh, const CellFaces& cells,
-                 const SurfaceMesh& surface, const Sizes& sizes, const Progress& progress) {
+                 const SurfaceMesh& surface, const std::vector<std::size_t>& order,
+                 const Sizes& sizes, const Progress& progress) {
   file.write(header("binary", "faceCompactList", "faces", ""));
   std::vector<std::size_t> quads{0};  // among the faces between prisms before each
   for (const PrismFace& face : cells.between_prisms)
@@ -103,7 +134,7 @@ void write_faces(AtomicFile& file, const ColumnMesh& mesh, const CellFaces& cell
           append_raw(buffer, static_cast<Label>(face.nodes[i].value()));
       },
       progress);
-  write_outer(file, surface, [&](std::size_t f, std::string& buffer) {
+  write_outer(file, order, [&](std::size_t f, std::string& buffer) {
     for (const std::int32_t p : outer.corners(f))
       append_raw(buffer, static_cast<Label>(surface.node[static_cast<std::size_t>(p)].value()));
   });
@@ -117,7 +148,8 @@ std::string size_note(const ColumnMesh& mesh, const CellFaces& cells, const Size
 }
 
 void write_owner(AtomicFile& file, const ColumnMesh& mesh, const CellFaces& cells,
-                 const SurfaceMesh& surface, const Sizes& sizes, const Progress& progress) {
+                 const SurfaceMesh& surface, const std::vector<std::size_t>& order,
+                 const Sizes& sizes, const Progress& progress) {
   file.write(header("binary", "labelList", "owner", size_note(mesh, cells, sizes)));
   begin_list(file, sizes.faces());
   write_internal_faces(
@@ -127,7 +159,7 @@ void write_owner(AtomicFile& file, const ColumnMesh& mesh, const CellFaces& cell
       },
       progress);
   const SurfaceFaces outer(surface);
-  write_outer(file, surface, [&](std::size_t f, std::string& buffer) {
+  write_outer(file, order, [&](std::size_t f, std::string& buffer) {
     append_raw(buffer, static_cast<Label>(surface.cell[outer.triangle(f)].value()));
   });
   end_list(file);
@@ -214,6 +246,7 @@ void write_openfoam(const std::filesystem::path& folder, const ColumnMesh& mesh,
   require_boundary_of(mesh, surface);
   const CellFaces cells(mesh);
   const Sizes sizes = count_faces(folder, mesh, cells, surface);
+  const std::vector<std::size_t> order = order_of_faces(surface);
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw_cannot_write(folder, error.message());
@@ -224,8 +257,8 @@ void write_openfoam(const std::filesystem::path& folder, const ColumnMesh& mesh,
   AtomicFile neighbour(folder / "neighbour");
   AtomicFile boundary(folder / "boundary");
   write_points(points, mesh, placement);
-  write_faces(faces, mesh, cells, surface, sizes, portion(progress, 0.1, 0.5));
-  write_owner(owner, mesh, cells, surface, sizes, portion(progress, 0.5, 0.75));
+  write_faces(faces, mesh, cells, surface, order, sizes, portion(progress, 0.1, 0.5));
+  write_owner(owner, mesh, cells, surface, order, sizes, portion(progress, 0.5, 0.75));
   write_neighbour(neighbour, mesh, cells, sizes, portion(progress, 0.75, 1));
   write_patches(boundary, surface, sizes);
   std::optional<AtomicFile> cell_zones;
