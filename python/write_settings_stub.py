@@ -8,6 +8,7 @@ import _core  # noqa: E402  # by itself: building needs neither NumPy nor the re
 
 FUNCTIONS = {"BuildCity": "build_city", "ReadCity": "read_city", "BuildMesh": "build_mesh", "Save": "save",
              "Synth": "synth"}
+TAKE_AREAS = ("refine", "surface_layers", "canopies", "domain")  # _areas.py
 HEAD = '''"""The keyword arguments of the package's functions, written from the library's list of settings."""
 import inspect
 from collections.abc import Callable, Sequence
@@ -21,7 +22,9 @@ def numpydoc(function: str) -> str: ...
 '''
 
 
-def type_of(kind, default, choices):
+def type_of(key, kind, default, choices):
+    if key in TAKE_AREAS:
+        return "Any"
     if choices:
         kind = "Literal[" + ", ".join(f'"{choice}"' for choice in choices) + "]"
     return kind if default is not None else f"{kind} | None"
@@ -32,5 +35,5 @@ for name, function in FUNCTIONS.items():
     text += f"\nclass {name}(TypedDict, total=False):\n"
     for key, _, kind, default, help_text, unit, choices in _core.settings_of(function):
         unit = f" [{unit}]" if unit else ""
-        text += f'    {key}: {type_of(kind, default, choices)}\n    """{help_text}{unit}. Default: {default}."""\n'
+        text += f'    {key}: {type_of(key, kind, default, choices)}\n    """{help_text}{unit}. Default: {default}."""\n'
 (package / "_settings.pyi").write_text(text)

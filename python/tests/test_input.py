@@ -132,3 +132,34 @@ def test_mistakes(frame, data, footprints, points, settings, kind, words):
     assert words in str(error.value)
     assert "\n" not in str(error.value)
     assert isinstance(error.value, ValueError) == (kind is tp.UsageError)
+
+
+def test_areas_in_memory(shared_city, tmp_path):
+    """Areas make the mesh that files of them make, whatever system they are in."""
+    x, y = shared_city.origin
+    boxes = [shapely.box(x + a, y + b, x + a + 90, y + b + 60) for a, b in ((20, 20), (150, 180))]
+    frame = geopandas.GeoDataFrame({"what": ["water", "road"], "tall": [6.5, 9]}, geometry=boxes, crs=shared_city.crs)
+    file = tmp_path / "areas.gpkg"
+    frame.to_file(file)
+    from_files = tp.build_mesh(shared_city, refine=[f"{file}:4"], surface_layers=f"{file}:what", canopies=[f"{file}:tall"])
+    assert from_files.zones == ["canopy_1", "canopy_2"]
+    pairs = {"refine": (frame, 4), "surface_layers": (frame, "what"), "canopies": (frame, "tall")}
+    for given in (pairs, {name: [pair] for name, pair in pairs.items()}, pairs | {"refine": (boxes, np.float64(4))}):
+        mesh = tp.build_mesh(shared_city, **given)
+        assert mesh.boundary.patches == from_files.boundary.patches and mesh.zones == from_files.zones
+        assert np.array_equal(mesh.points, from_files.points) and np.array_equal(mesh.zone, from_files.zone)
+    degrees = tp.build_mesh(shared_city, refine=(frame.to_crs("EPSG:4326"), 4), surface_layers=(frame.to_crs(4326), "what"))
+    assert degrees.boundary.patches == from_files.boundary.patches
+    assert abs(degrees.n_cells / from_files.n_cells - 1) < 0.1
+    for wrong in ({"surface_layers": (frame, "which")}, {"refine": 4}, {"refine": [(4, 4)]}, {"canopies": [frame, 3]}):
+        with pytest.raises((tp.UsageError, tp.InputError), match="|".join(wrong)):
+            tp.build_mesh(shared_city, **wrong)
+
+
+def test_domain_in_memory(data):
+    x, y = tp.build_city(data / "footprints.shp", data).origin
+    area = shapely.Polygon([(x + 40, y + 30), (x + 250, y + 60), (x + 230, y + 240), (x + 60, y + 200)])
+    for given in (area, geopandas.GeoSeries([area], crs="EPSG:3006"), geopandas.GeoSeries([area], crs="EPSG:3006").to_crs(4326)):
+        city = tp.build_city(data / "footprints.shp", data, domain=given)
+        found = shapely.Polygon(city.domain_outline)
+        assert found.symmetric_difference(area).area < 0.01 * area.area

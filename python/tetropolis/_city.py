@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from ._areas import areas_as_files
 from ._errors import UsageError
 from ._input import footprint_table, is_path, paths_of, points_in_memory
 from ._report import Progress, Reported, following
@@ -284,6 +285,8 @@ def build_city(footprints: Any, points: Any = None, *, classification: npt.Array
         are those of ``dsm``, or what the footprints state, and the ground is ``dtm``, or level.
     classification : array_like of shape (N,), optional
         ASPRS classes of points in memory; without, the ground is found by a filter.
+    domain : also a GeoDataFrame, GeoSeries or polygon of shapely
+        The area to be meshed; without a CRS in that of the city.
     progress : bool or callable, optional
         True: a bar of tqdm. A callable gets the name of the step and the share of the whole that is done, in
         [0, 1].
@@ -310,8 +313,8 @@ def build_city(footprints: Any, points: Any = None, *, classification: npt.Array
         arrays = points_in_memory(points, classification)
     elif classification is not None:
         raise UsageError("classification: files have their own; give it with points in memory only")
-    with following(progress) as follow:
-        city = City(_core.build_city(dict(settings), files or [], paths or [], table, arrays, follow))
+    with areas_as_files(settings) as given, following(progress) as follow:
+        city = City(_core.build_city(given, files or [], paths or [], table, arrays, follow))
     city._warn()
     return city
 

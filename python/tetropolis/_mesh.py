@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from ._areas import areas_as_files
 from ._city import City
 from ._errors import UsageError
 from ._report import Progress, Reported, following
@@ -357,6 +358,10 @@ def build_mesh(city: City, *, progress: Progress = None, **settings: Unpack[Buil
     ----------
     city : City
         Its heights and terrain may have been edited.
+    refine, surface_layers, canopies : also areas in memory
+        A GeoDataFrame, GeoSeries or geometries of shapely (without a CRS: in that of the city) in place of a file:
+        ``refine=[(areas, 2.5)]``, ``surface_layers=[(lakes, "water"), (land, "kind")]``, with what they are or the
+        column that says it, ``canopies=[(trees, "height")]``.
     progress : bool or callable, optional
         As for `build_city`.
 
@@ -376,7 +381,7 @@ def build_mesh(city: City, *, progress: Progress = None, **settings: Unpack[Buil
     """
     if not isinstance(city, City):
         raise UsageError(f"city: give what build_city() or read_city() returns, not {type(city).__name__}")
-    with following(progress) as follow:
-        mesh = Mesh(_core.build_mesh(dict(settings), city._core, follow), city)
+    with areas_as_files(settings, city.crs) as given, following(progress) as follow:
+        mesh = Mesh(_core.build_mesh(given, city._core, follow), city)
     mesh._warn()
     return mesh
