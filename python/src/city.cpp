@@ -311,6 +311,7 @@ void bind_city(nb::module_& module) {
       .def_prop_ro("raw", [](City& self) -> CityModel& { return self.built.raw; })
       .def_prop_ro("terrain", [](City& self) -> Raster& { return self.built.terrain; })
       .def("settle", &City::settle, "Lets roofs of parts follow edits of h_roof.")
+      .def("copy", [](const City& self) { return City(self); })
       .def_prop_ro("report", [](const City& self) { return to_json(self.report); })
       .def_prop_ro("page",
                    [](const City& self) {

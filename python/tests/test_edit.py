@@ -1,4 +1,6 @@
 """Edited cities mesh again."""
+import copy
+
 import numpy as np
 import pytest
 
@@ -19,6 +21,24 @@ def test_edit_and_rebuild(city, mesh):
     city.h_roof -= 1
     city.h_roof = city.h_roof + 1
     assert np.allclose(tp.build_mesh(city).points, taller.points)
+
+
+def test_copies_are_edited_alone(city, mesh):
+    city.h_roof[0] += 2
+    variants = [city.copy(), copy.copy(city), copy.deepcopy(city)]
+    for i, variant in enumerate(variants):
+        variant.h_roof[3] += 10 + i
+        variant.terrain.values[0] -= 1
+    assert [variant.h_roof[3] - city.h_roof[3] for variant in variants] == pytest.approx([10, 11, 12])
+    assert all(variant.terrain.values[0, 0] == city.terrain.values[0, 0] - 1 for variant in variants)
+    assert variants[0].report == city.report and variants[0].ids == city.ids and len(variants[0].raw) == len(city.raw)
+    area = city.footprints[3].area
+    assert np.array_equal(tp.build_mesh(city.copy()).points, tp.build_mesh(city).points)
+    volumes = [tp.build_mesh(one).quality["volume"] for one in (city, variants[0])]
+    before = tp.build_mesh(city.copy()).quality["volume"]
+    assert before == volumes[0] and volumes[1] != before
+    variants[0].terrain.values[0] += 1
+    assert before - tp.build_mesh(variants[0]).quality["volume"] == pytest.approx(10 * area, rel=1e-6)
 
 
 def test_edited_terrain(city, mesh):

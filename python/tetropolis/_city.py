@@ -226,6 +226,16 @@ class City(Reported, CityModel):
         self.terrain = Terrain(core.terrain, self.origin, self.crs)
         self.raw = CityModel(core.raw, core.settle)
 
+    def copy(self) -> City:
+        """A city of its own with the same buildings and terrain, to edit: what is done to one does not reach the other.
+        ``copy.copy`` and ``copy.deepcopy`` make the same."""
+        return City(self._core.copy())
+
+    __copy__ = copy
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> City:
+        return self.copy()
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the city model (``.city.json``, CityJSON 2.0), its layers for GIS (``.gpkg``: footprints with what
         became of them, buildings, parts, dropped), or the terrain (``.tif``, GeoTIFF).
