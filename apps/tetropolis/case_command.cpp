@@ -97,6 +97,12 @@ void tell(const CaseArguments& arguments, const std::vector<OpenfoamCase>& cases
         "(by half in cells of 4 m): cells lower than {:.2f} m would resolve the wind there "
         "(--boundary-layers, or a smaller --mesh-size)",
         options.sample_height, options.sample_height / 2));
+  // Over Delft and empty ground points are 9 to 40 % too fast at 1.06 of that height, 1 % at 1.53.
+  if (made.layers_top > 0 && made.layers_top < 1.5 * options.sample_height)
+    console.line(fmt::format(
+        "note     layers end {:.2f} m above the ground: the higher cells above raise the "
+        "speeds at {} m; let layers reach {:.2f} m (--boundary-layers)",
+        made.layers_top, options.sample_height, 1.5 * options.sample_height));
   if (std::any_of(cases.begin(), cases.end(), [](const OpenfoamCase& one) {
         return std::any_of(one.sides.begin(), one.sides.end(), is_of_other_wind);
       }))
@@ -184,7 +190,8 @@ void add_case_options(CLI::App& command, CaseArguments& arguments) {
   openfoam(number("--iterations", options.iterations, "Iterations at most", "INT"));
   add_choice(command, "--dialect", arguments.dialect, kFoamDialectNames,
              "OpenFOAM of openfoam.com or openfoam.org");
-  command.add_flag("--overwrite", options.overwrite, "Replace a case that is there");
+  command.add_flag("--overwrite", options.overwrite,
+                   "Replace a case that is there, with what it has solved");
 }
 
 void make_case(const CaseArguments& arguments, Console& console) {

@@ -54,10 +54,11 @@ def main():
                     "cellsize 10\n" + (" ".join(["0"] * (int(length / 10) + 4)) + "\n") * (int(width / 10) + 4))
     case = folder / "case"
     layers = ["--boundary-layers", arguments.layers, "--first-layer", arguments.first_layer] if arguments.layers else []
-    run(arguments.program, "build", "--terrain-only", "--dtm", land, "--raster-crs", "EPSG:28992", "--bounds",
+    program = arguments.program.resolve()
+    run(program, "build", "--terrain-only", "--dtm", land, "--raster-crs", "EPSG:28992", "--bounds",
         f"{x},{y},{x + length},{y + width}", "--domain-height", 100, "--mesh-size", arguments.size, *layers, "--cells",
         arguments.cells, "--formats", "openfoam", "--no-html", "--quiet", "--overwrite", "--out", case)
-    run(arguments.program, "case", "openfoam", case, "--wind-speed", SPEED, "--wind-height", HEIGHT, "--wind-from", 270,
+    run(program, "case", "openfoam", case, "--wind-speed", SPEED, "--wind-height", HEIGHT, "--wind-from", 270,
         "--roughness", arguments.roughness, "--overwrite")
     run(case / "Allrun")
 
@@ -94,6 +95,12 @@ def main():
             mean = sum(ratios) / len(ratios)
             scatter = math.sqrt(sum((r - mean) ** 2 for r in ratios) / len(ratios))
             print(f"{a:4g} to {b:3g} m  {mean:.3f}, scatter {100 * scatter:.1f} %, {len(ratios)} cells")
+    table = max(case.glob("postProcessing/pedestrian/*/*"), key=lambda path: float(path.parent.name)).read_text()
+    rows = [list(map(float, row.split())) for row in table.splitlines() if not row.startswith("#")]
+    people = [math.hypot(*row[3:6]) for row in rows if 30 < east - row[0] < 70]
+    height = rows[0][2] - low
+    print(f"{height:g} m where people are: "
+          f"{sum(people) / len(people) / (friction / 0.4 * math.log((height + z0) / z0)):.3f}")
 
 
 if __name__ == "__main__":

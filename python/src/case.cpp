@@ -45,6 +45,7 @@ nb::dict dict_of(const OpenfoamCase& made) {
   result["canopy_cells"] = made.canopy_cells;
   result["ground_faces"] = made.ground_faces;
   result["first_cell"] = made.first_cell;
+  result["layers_top"] = made.layers_top;
   result["samples"] = made.samples;
   result["sample_spacing"] = made.sample_spacing;
   return result;

@@ -52,13 +52,13 @@ def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5,
     dialect : {'com', 'org'}
         OpenFOAM of openfoam.com or openfoam.org.
     overwrite : bool
-        Whether a case that is there is replaced.
+        Whether a case that is there is replaced, with what it has solved.
 
     Returns
     -------
     dict
         'sides', what the wind does at each; 'canopies', how many zones of 'canopy_cells' slow the wind; 'first_cell', the median
-        height of cells on the 'ground_faces'; 'samples' and 'sample_spacing'. A list of them for several winds.
+        height of cells on the 'ground_faces', and 'layers_top', of where layers end above them; 'samples' and 'sample_spacing'. A list of them for several winds.
 
     Raises
     ------

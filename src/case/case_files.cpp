@@ -57,9 +57,14 @@ void require_new(const fs::path& folder, const std::vector<CaseFile>& files) {
                               (folder / name).string()));
 }
 
+void remove_scripts(const fs::path& folder, const std::vector<CaseFile>& files) {
+  std::error_code error;
+  for (const auto& [name, text] : files)
+    if (name.ends_with("Allrun") || name.ends_with(".py")) fs::remove(folder / name, error);
+}
+
 void write_case_files(const fs::path& folder, const std::vector<CaseFile>& files) {
   std::error_code error;
-  fs::remove(folder / files.back().first, error);
   for (const auto& [name, text] : files) {
     fs::create_directories((folder / name).parent_path(), error);
     write_file(folder / name, text());

@@ -25,6 +25,9 @@ using CaseFile = std::pair<std::string, std::function<std::string()>>;
 /// Throws Error(kUsage) for a file that is there.
 void require_new(const std::filesystem::path& folder, const std::vector<CaseFile>& files);
 
+/// Removes Allrun and programs among the files: a folder with them is a whole case.
+void remove_scripts(const std::filesystem::path& folder, const std::vector<CaseFile>& files);
+
 /// Writes the files, each complete or not at all, over those that are there. Throws Error(kInput)
 /// if one cannot be written.
 void write_case_files(const std::filesystem::path& folder, const std::vector<CaseFile>& files);

@@ -130,8 +130,11 @@ std::string leaf_drag(const OpenfoamCaseOptions& options, const FoamMesh& mesh,
 
 std::string marks_name(std::size_t i) { return fmt::format("leaves_{}.obj", i + 1); }
 
-std::string leaf_sources(const OpenfoamCaseOptions& options, const std::vector<LeafMarks>& marks) {
-  std::string text;
+std::string leaf_sources(const OpenfoamCaseOptions& options, const FoamMesh& mesh,
+                         const std::vector<LeafMarks>& marks) {
+  std::string text, ground;
+  for (const FoamPatch& patch : mesh.patches)
+    if (patch.is_wall && !patch.of_building()) ground += (ground.empty() ? "" : " ") + patch.name;
   for (std::size_t i = 0; i < marks.size(); ++i)
     text += fmt::format(R"(leaves_{0}  // k and epsilon where the leaf area density is {1} 1/m
 {{
@@ -153,7 +156,7 @@ std::string leaf_sources(const OpenfoamCaseOptions& options, const std::vector<L
             zDir            (0 0 1);
             searchSpan      {3};
             topSurface      {4};
-            groundPatches   (ground);
+            groundPatches   ({5});
             coordinateSystem
             {{
                 type    cartesian;
@@ -165,7 +168,7 @@ std::string leaf_sources(const OpenfoamCaseOptions& options, const std::vector<L
 }}
 )",
                         i + 1, marks[i].leaf_area_density, options.leaf_drag, 2 * kMarkHeight,
-                        marks_name(i));
+                        marks_name(i), ground);
   return text;
 }
 

@@ -36,7 +36,8 @@ std::string leaf_drag(const OpenfoamCaseOptions& options, const FoamMesh& mesh,
 /// The sources for kEpsilonLopesdaCosta, without a header. The model finds them in the porosity of
 /// the same author, with Cd 0 here, whose cells are those right below a surface: marks over their
 /// centres, in the files `marks_name`.
-std::string leaf_sources(const OpenfoamCaseOptions& options, const std::vector<LeafMarks>& marks);
+std::string leaf_sources(const OpenfoamCaseOptions& options, const FoamMesh& mesh,
+                         const std::vector<LeafMarks>& marks);
 
 /// Name of the surface of the i-th marks.
 std::string marks_name(std::size_t i);

@@ -6,6 +6,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "core/median.h"
 #include "geometry/vec3.h"
 
 namespace tetropolis {
@@ -69,6 +70,28 @@ std::vector<double> heights_of_cells(const FoamMesh& mesh, const std::vector<dou
     }
   for (std::size_t c = 0; c < sum.size(); ++c) sum[c] /= std::max(count[c], 1);
   return sum;
+}
+
+double top_of_prisms(const FoamMesh& mesh, const std::vector<double>& floors) {
+  std::vector<std::uint8_t> sides(mesh.cells(), 0);
+  for (const auto* cells : {&mesh.owner, &mesh.neighbour})
+    for (const std::int32_t cell : *cells) ++sides[static_cast<std::size_t>(cell)];
+  const auto is_prism = [&](std::int32_t cell) {
+    return sides[static_cast<std::size_t>(cell)] == 5;
+  };
+  std::unordered_map<std::pair<double, double>, double, PlaceHash> tops;
+  for (std::size_t f = 0; f < mesh.faces(); ++f) {
+    if (!is_prism(mesh.owner[f]) && (f >= mesh.neighbour.size() || !is_prism(mesh.neighbour[f])))
+      continue;
+    for (const std::int32_t p : mesh.face(f)) {
+      const Point3& at = mesh.point(p);
+      double& top = tops[{at[0], at[1]}];
+      top = std::max(top, at[2] - floors[static_cast<std::size_t>(p)]);
+    }
+  }
+  std::vector<double> heights;
+  for (const auto& [place, top] : tops) heights.push_back(top);
+  return heights.empty() ? 0 : median(heights);
 }
 
 std::vector<WallCell> cells_on(const FoamMesh& mesh, std::span<const std::size_t> faces) {

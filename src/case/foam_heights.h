@@ -28,6 +28,10 @@ struct WallCell {
   double centre = 0;  ///< Of the mean of its corners (each as often as faces have it).
 };
 
+/// Height [m] above the floors (per point of the mesh) at which layers of prisms end, the median of
+/// their columns; 0 without prisms.
+double top_of_prisms(const FoamMesh& mesh, const std::vector<double>& floors);
+
 /// Those over boundary faces, in their order.
 std::vector<WallCell> cells_on(const FoamMesh& mesh, std::span<const std::size_t> faces);
 

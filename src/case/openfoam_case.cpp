@@ -1,6 +1,7 @@
 #include "tetropolis/case/openfoam_case.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <fstream>
@@ -46,6 +47,24 @@ constexpr const char* kSurfaces = "constant/triSurface/";
 constexpr const char* kFvOptions = "constant/fvOptions";
 constexpr const char* kFvModels = "constant/fvModels";
 
+/// What an earlier case has solved: a solver would go on from there.
+void remove_solution(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> solved;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    const bool is_time = name.find_first_not_of("0123456789.") == std::string::npos &&
+                         name != "0" && fs::exists(entry.path() / "U", error);
+    constexpr std::array kOthers = {"postProcessing",   "log.simpleFoam",     "log.foamRun",
+                                    "log.decomposePar", "log.reconstructPar", "pedestrian.png",
+                                    "pedestrian.pgw"};
+    if (is_time || name.starts_with("processor") ||
+        std::find(kOthers.begin(), kOthers.end(), name) != kOthers.end())
+      solved.push_back(entry.path());
+  }
+  for (const fs::path& path : solved) fs::remove_all(path, error);
+}
+
 /// What an earlier case has for canopies that this one has not, which has `marks` surfaces.
 void remove_leaves(const fs::path& folder, const FoamMesh& mesh, std::size_t marks) {
   std::error_code error;
@@ -81,7 +100,8 @@ void add_files_of(const FoamMesh& mesh, const OpenfoamCaseOptions& options,
   add("system/fvSchemes", known(foam_head("dictionary", "fvSchemes") + foam_texts::kFvSchemes));
   add("system/fvSolution", known(foam_head("dictionary", "fvSolution") + foam_texts::kFvSolution));
   if (!mesh.canopies.empty())
-    add(kFvOptions, known(leaf_drag(options, mesh, "fvOptions") + leaf_sources(options, marks)));
+    add(kFvOptions,
+        known(leaf_drag(options, mesh, "fvOptions") + leaf_sources(options, mesh, marks)));
   for (std::size_t i = 0; i < marks.size(); ++i)
     add(kSurfaces + marks_name(i), [&surface = marks[i].surface] { return surface; });
   if (!is_org) return;
@@ -183,6 +203,7 @@ OpenfoamCase facts_of(const FoamMesh& mesh, const Places& places, const FoamFiel
   for (const std::vector<WallCell>& cells : places.on_walls)
     for (const WallCell& cell : cells) first.push_back(cell.height);
   result.ground_faces = std::ssize(first);
+  result.layers_top = top_of_prisms(mesh, places.floors);
   if (!first.empty()) result.first_cell = median(first);
   result.canopies = std::ssize(mesh.canopies);
   for (const FoamCanopy& canopy : mesh.canopies) result.canopy_cells += std::ssize(canopy.cells);
@@ -208,6 +229,8 @@ OpenfoamCase write_openfoam_case(const fs::path& folder, const OpenfoamCaseOptio
   // The last: a folder with it is a whole case.
   files.emplace_back("Allrun", known(allrun(options, "wind.py")));
   if (!options.overwrite) require_new(folder, files);
+  remove_scripts(folder, files);
+  remove_solution(folder);
   write_boundary(folder, mesh);
   write_case_files(folder, files);
   remove_leaves(folder, mesh, marks.size());
@@ -256,9 +279,14 @@ std::vector<OpenfoamCase> write_openfoam_cases(const fs::path& folder,
     add_files_of(mesh, wind, fields.back(), marks, "../../system/pedestrian", into, files);
     files.emplace_back(into + "Allrun", known(allrun(options, "../wind.py .")));
   }
-  files.emplace_back("rose.py", known(replaced(foam_texts::kRosePy, {{"@WINDS@", names}})));
+  files.emplace_back(
+      "rose.py",
+      known(replaced(foam_texts::kRosePy,
+                     {{"@WINDS@", names}, {"@SPEED@", fmt::format("{}", options.wind.speed)}})));
   files.emplace_back("Allrun", known(replaced(foam_texts::kAllrunWinds, {{"@WINDS@", names}})));
   if (!options.overwrite) require_new(folder, files);
+  remove_scripts(folder, files);
+  for (const std::string& name : seen) remove_solution(folder / name);
   write_boundary(folder, mesh);
   for (const std::string& name : seen)
     link_folder(folder / name / "constant/polyMesh", "../../constant/polyMesh");

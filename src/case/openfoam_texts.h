@@ -84,9 +84,11 @@ relaxationFactors
 inline constexpr const char* kAllrun = R"TEXT(#!/bin/sh
 # Solves the case:   ./Allrun      by one process
 #                    ./Allrun 8    by eight, with mpirun
+#                    ./Allrun continue, ./Allrun continue 8    from what a run that was cut has written
 # What programs say is in log.NAME; wind.py prints the figures and draws pedestrian.png.
-# A run that was cut goes on from what is written of it with @SOLVER@ in this folder.
 cd "${0%/*}" || exit 1
+continue=
+if [ "${1:-}" = continue ]; then continue=yes && shift; fi
 processes=${1:-1}
 # Debian's OpenFOAM does not know where it is.
 if [ -z "$WM_PROJECT_DIR" ] && [ -d /usr/share/openfoam/etc ]; then
@@ -97,7 +99,7 @@ run() {  # COMMAND...
   echo "$*"
   name=$1
   [ "$name" = mpirun ] && name=$SOLVER
-  "$@" >"log.$name" 2>&1 && return
+  "$@" >>"log.$name" 2>&1 && return
   tail -n 20 "log.$name" >&2
   echo "$* failed: see $PWD/log.$name" >&2
   exit 1
@@ -110,11 +112,12 @@ if ! command -v $SOLVER >/dev/null; then
   exit 1
 fi
 
-# What an earlier run has left.
-rm -rf processor[0-9]* postProcessing pedestrian.p?*
-for time in [1-9]*; do
-  case $time in *[!0-9.]*) ;; *) rm -rf "$time" ;; esac
-done
+if [ -z "$continue" ]; then  # what an earlier run has left
+  rm -rf processor[0-9]* postProcessing pedestrian.p?* log.$SOLVER log.decomposePar log.reconstructPar
+  for time in [1-9]*; do
+    case $time in *[!0-9.]*) ;; *) rm -rf "$time" ;; esac
+  done
+fi
 if [ "$processes" -eq 1 ]; then
   run $SOLVER
 else
@@ -137,7 +140,7 @@ numberOfSubdomains $processes;
 method               hierarchical;
 hierarchicalCoeffs { n ($((processes / x)) $x 1); delta 0.001; order xyz; }
 END
-  run decomposePar -force
+  if [ -z "$continue" ] || [ ! -d processor0 ]; then run decomposePar -force; fi
   run mpirun -n "$processes" $SOLVER -parallel
   run reconstructPar -latestTime
 fi

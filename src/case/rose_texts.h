@@ -5,6 +5,7 @@ namespace tetropolis::foam_texts {
 
 inline constexpr const char* kAllrunWinds = R"TEXT(#!/bin/sh
 # Solves the cases of all winds, one after the other:   ./Allrun, or ./Allrun 8 by eight processes each
+# What was cut goes on with ./Allrun continue (8).
 # Then rose.py puts the wind of all where people are into one table.
 cd "${0%/*}" || exit 1
 failed=
@@ -29,7 +30,8 @@ Without FILE also their mean, and the highest and where it comes from.
 FILE (frequencies.csv beside this program, if it is there) is a table with a heading:
     direction,frequency,speed[,shape]
 with how often the wind comes from there (any unit), its mean speed at the height of the cases' wind [m/s], and the
-shape of its Weibull distribution (2 if it is not given, Rayleigh's). A row belongs to the nearest of the directions.
+shape of its Weibull distribution (2 if it is not given, Rayleigh's). A row belongs to the nearest of the directions, to
+both where it lies halfway.
 With it: the mean speed, and the shares of time above the threshold (5 m/s: comfort in NEN 8100) and 15 m/s (danger).
 """
 import argparse
@@ -37,9 +39,10 @@ import csv
 import math
 import pathlib
 
-from wind import ORIGIN, REFERENCE, SPACING, draw, people
+from wind import ORIGIN, SPACING, draw, people
 
 WINDS = "@WINDS@".split()
+REFERENCE = @SPEED@  # m/s of the undisturbed wind
 # NEN 8100: shares of time above 5 m/s, and above 15 m/s
 COMFORT = [("A", 0.025), ("B", 0.05), ("C", 0.1), ("D", 0.2), ("E", math.inf)]
 DANGER = [("none", 0.0005), ("limited", 0.003), ("dangerous", math.inf)]
@@ -63,9 +66,10 @@ def read_frequencies(path):
         raise SystemExit(f"{path}: its frequencies sum to 0")
     matched, farthest = [], 0
     for direction, frequency, speed, shape in rows:
-        off, nearest = min((abs((float(wind[1:]) - direction + 180) % 360 - 180), wind) for wind in WINDS)
-        farthest = max(farthest, off)
-        matched.append((nearest, frequency / total, speed, shape))
+        off = {wind: abs((float(wind[1:]) - direction + 180) % 360 - 180) for wind in WINDS}
+        nearest = [wind for wind in WINDS if off[wind] < min(off.values()) + 1e-6]
+        farthest = max(farthest, min(off.values()))
+        matched += [(wind, frequency / total / len(nearest), speed, shape) for wind in nearest]
     if farthest > 0:
         print(f"note          directions of {path.name} are up to {farthest:g} degrees from those of the cases")
     return matched
@@ -87,10 +91,10 @@ def classed(values, classes):
     return ", ".join(shares)
 
 
-def unsettled(case):
-    """Whether the run ended at its last iteration, with residuals that were still above their limits."""
+def says(case, words):
+    """Whether the solver's log, if there is one, has these words."""
     logs = [case / name for name in ("log.simpleFoam", "log.foamRun") if (case / name).exists()]
-    return bool(logs) and not any("solution converged" in log.read_text(errors="replace") for log in logs)
+    return not logs or any(words in log.read_text(errors="replace") for log in logs)
 
 
 def main():
@@ -103,14 +107,14 @@ def main():
     if frequencies is None and (folder / "frequencies.csv").exists():
         frequencies = folder / "frequencies.csv"
 
-    found = {wind: people(folder / wind) for wind in WINDS}
+    found = {wind: people(folder / wind) if says(folder / wind, "\nEnd\n") else {} for wind in WINDS}  # cut runs do not count
     missing = [wind for wind in WINDS if not found[wind]]
     solved = [wind for wind in WINDS if found[wind]]
     if not solved:
         raise SystemExit(f"{folder}: no wind is solved yet: ./Allrun")
     if missing:
-        print(f"note          not solved, and left out: {' '.join(missing)}")
-    if unfinished := [wind for wind in solved if unsettled(folder / wind)]:
+        print(f"note          not solved to the end, and left out: {' '.join(missing)}")
+    if unfinished := [wind for wind in solved if not says(folder / wind, "solution converged")]:
         print(f"note          residuals are not below their limits yet: {' '.join(unfinished)}")
     places = sorted(set.intersection(*(set(points) for points in found.values() if points)), key=lambda p: (p[1], p[0]))
     ratios = {p: [found[wind][p][1] / REFERENCE for wind in solved] for p in places}

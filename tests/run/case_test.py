@@ -4,6 +4,7 @@ case_test.py PROGRAM inlet|rose|surfaces|canopies|empty|openfoam|fenicsx; exit 7
 """
 
 import array
+import csv
 import json
 import math
 import os
@@ -249,6 +250,12 @@ def check_rose(program, folder):
         rows = (moved / "rose.csv").read_text().splitlines()
         assert rows[0] == "x,y,z,w030,w240,w337.5,mean,highest,highest_from" and len(rows) > 1000, rows[:2]
         assert (moved / "rose.png").read_bytes().startswith(b"\x89PNG")
+        log = moved / "w240/log.simpleFoam"  # a run that was killed does not count
+        whole = log.read_text()
+        log.write_text(whole.replace("\nEnd\n", "\n"))
+        said = run(sys.executable, moved / "rose.py")
+        assert "left out: w240" in said and "for 2 winds" in said, said
+        log.write_text(whole)
     # Known speeds: two points, of which one lies outside the mesh of the last wind.
     speeds = {"w030": (3.0, 6.0), "w240": (4.5, 1.5), "w337.5": (6.0,)}
     for wind, values in speeds.items():
@@ -265,6 +272,11 @@ def check_rose(program, folder):
         left, top = map(float, corners["Upper Left"].split(","))
         right, bottom = map(float, corners["Lower Right"].split(","))
         assert (left, top, right) == (x, y + 2, x + 2) and bottom < y, corners
+    (moved / "frequencies.csv").write_text("direction,frequency,speed\n288.75,1,4\n")  # halfway
+    run(sys.executable, moved / "rose.py")
+    (row,) = list(csv.DictReader((moved / "rose.csv").read_text().splitlines()))
+    assert float(row["mean_speed"]) == 4 * (0.75 + 1) / 2, row
+    (moved / "frequencies.csv").unlink()
     (moved / "w337.5/postProcessing/pedestrian/2/grid_U.xy").unlink()
     said = run(sys.executable, moved / "rose.py")
     assert "left out: w337.5" in said and "2 points" in said, said
@@ -284,6 +296,14 @@ def check_rose(program, folder):
             windy = sum(share * math.exp(-(limit / (speed / math.gamma(1 + 1 / shape)))**shape) for share, speed, shape in times)
             assert math.isclose(float(found), windy, rel_tol=1e-4), row
     assert (moved / "above.png").exists()
+    # A case that replaces another is not solved yet.
+    (moved / "w030/3000").mkdir()
+    run(program, "case", "openfoam", moved, *several[:1], 7, *several[2:], "--overwrite")
+    for wind in winds:
+        left = {path.name for path in (moved / wind).iterdir()}
+        assert left == {"0", "constant", "system", "Allrun"} | ({"3000"} if wind == "w030" else set()), left
+    done = subprocess.run([sys.executable, moved / "rose.py"], capture_output=True, text=True)
+    assert done.returncode != 0 and "no wind is solved yet" in done.stderr, done
 
 
 def check_openfoam(program, folder):
@@ -315,6 +335,11 @@ def check_openfoam(program, folder):
         assert int(found[1]) == json.loads((case / "report.json").read_text())["volume_mesh"]["cells"]
         assert all(map(math.isfinite, u))
     assert all(math.isclose(a, b, rel_tol=0.02) for a, b in zip(figures[1], figures.get(2, figures[1]))), figures
+    control = case / "system/controlDict"
+    control.write_text(re.sub(r"\b(endTime|writeInterval) .*", r"\1 27;", control.read_text()))
+    said = run(case / "Allrun", "continue", *([2] if 2 in figures else []), env=environment)
+    assert (case / "log.simpleFoam").read_text().count("\nTime = ") == 27 and "iterations    27;" in said, said
+    assert (case / "27/U").exists()
 
     # Other domains, layers of prisms, and a patch for each building; the wind meets half of a cylinder.
     for name, more in ("auto", ["--wind-from", FROM, "--boundary-layers", 3]), ("cylinder", ["--sectors", 12]):

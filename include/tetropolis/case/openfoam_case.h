@@ -53,7 +53,8 @@ struct OpenfoamCase {
   };
   std::vector<Side> sides;
   std::int64_t ground_faces = 0;
-  double first_cell = 0;          ///< Height of the cells on the ground [m], the median.
+  double first_cell = 0;  ///< Height of the cells on the ground [m], the median.
+  double layers_top = 0;  ///< Where layers of prisms end above the ground [m], the median; or 0.
   std::int64_t canopies = 0;      ///< Zones of leaves,
   std::int64_t canopy_cells = 0;  ///< and their cells.
   std::int64_t samples = 0;       ///< Points at sample_height.
