@@ -53,13 +53,15 @@ void remove_solution(const fs::path& folder) {
   std::vector<fs::path> solved;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
-    const bool is_time = name.find_first_not_of("0123456789.") == std::string::npos &&
-                         name != "0" && fs::exists(entry.path() / "U", error);
+    const auto is_number = [](std::string_view word) {
+      return !word.empty() && word.find_first_not_of("0123456789.") == word.npos;
+    };
+    const bool is_time = is_number(name) && name != "0" && fs::exists(entry.path() / "U", error);
+    const bool is_part = name.starts_with("processor") && is_number(name.substr(9));
     constexpr std::array kOthers = {"postProcessing",   "log.simpleFoam",     "log.foamRun",
                                     "log.decomposePar", "log.reconstructPar", "pedestrian.png",
                                     "pedestrian.pgw"};
-    if (is_time || name.starts_with("processor") ||
-        std::find(kOthers.begin(), kOthers.end(), name) != kOthers.end())
+    if (is_time || is_part || std::find(kOthers.begin(), kOthers.end(), name) != kOthers.end())
       solved.push_back(entry.path());
   }
   for (const fs::path& path : solved) fs::remove_all(path, error);
@@ -228,9 +230,11 @@ OpenfoamCase write_openfoam_case(const fs::path& folder, const OpenfoamCaseOptio
   add_shared_files(mesh, options, samples, files);
   // The last: a folder with it is a whole case.
   files.emplace_back("Allrun", known(allrun(options, "wind.py")));
-  if (!options.overwrite) require_new(folder, files);
+  if (options.overwrite)
+    remove_solution(folder);
+  else
+    require_new(folder, files);
   remove_scripts(folder, files);
-  remove_solution(folder);
   write_boundary(folder, mesh);
   write_case_files(folder, files);
   remove_leaves(folder, mesh, marks.size());
@@ -286,7 +290,8 @@ std::vector<OpenfoamCase> write_openfoam_cases(const fs::path& folder,
   files.emplace_back("Allrun", known(replaced(foam_texts::kAllrunWinds, {{"@WINDS@", names}})));
   if (!options.overwrite) require_new(folder, files);
   remove_scripts(folder, files);
-  for (const std::string& name : seen) remove_solution(folder / name);
+  for (const std::string& name : seen)
+    if (options.overwrite) remove_solution(folder / name);
   write_boundary(folder, mesh);
   for (const std::string& name : seen)
     link_folder(folder / name / "constant/polyMesh", "../../constant/polyMesh");
