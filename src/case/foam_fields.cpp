@@ -128,7 +128,7 @@ Places::Places(const FoamMesh& mesh)
     std::vector<std::size_t> faces;
     if (patch.is_wall && !patch.of_building())
       for (std::size_t f = patch.begin; f < patch.end; ++f) faces.push_back(f);
-    on_walls.push_back(cells_on(mesh, faces));
+    on_walls.push_back(faces.empty() ? std::vector<WallCell>() : cells_on(mesh, faces));
   }
 }
 
@@ -239,9 +239,9 @@ std::string FoamFields::dissipation() const {
 
 std::string FoamFields::eddy_viscosity() const {
   std::string note =
-      "// On the ground, kappa and z0 make wall functions, which know y, fit the wind, which goes "
-      "by "
-      "y + z0.\n// Roughness lengths:";
+      "// On the ground, kappa and z0 make wall functions, which take y, fit a wind that has y + "
+      "z0."
+      "\n// Roughness lengths:";
   for (const CasePatch& p : patches_)
     if (p.kind == CasePatch::Kind::kGround)
       note += fmt::format(" {} {} m;", p.patch->name, p.rough.roughness);

@@ -97,19 +97,24 @@ double top_of_prisms(const FoamMesh& mesh, const std::vector<double>& floors) {
 std::vector<WallCell> cells_on(const FoamMesh& mesh, std::span<const std::size_t> faces) {
   struct Corners {
     Point3 sum{};
-    double count = 0;
     std::vector<Point3> points;
   };
-  std::unordered_map<std::int32_t, Corners> corners;
-  for (const std::size_t f : faces) corners[mesh.owner[f]];
+  std::vector<Corners> corners;
+  std::vector<std::int32_t> of_cell(mesh.cells(), -1);
+  for (const std::size_t f : faces) {
+    std::int32_t& own = of_cell[static_cast<std::size_t>(mesh.owner[f])];
+    if (own >= 0) continue;
+    own = static_cast<std::int32_t>(corners.size());
+    corners.emplace_back();
+  }
   const auto look = [&](std::int32_t cell, std::size_t f) {
-    const auto found = corners.find(cell);
-    if (found == corners.end()) return;
+    const std::int32_t own = of_cell[static_cast<std::size_t>(cell)];
+    if (own < 0) return;
+    Corners& found = corners[static_cast<std::size_t>(own)];
     for (const std::int32_t p : mesh.face(f)) {
       const Point3& at = mesh.point(p);
-      found->second.points.push_back(at);
-      for (std::size_t c = 0; c < 3; ++c) found->second.sum[c] += at[c];
-      ++found->second.count;
+      found.points.push_back(at);
+      for (std::size_t c = 0; c < 3; ++c) found.sum[c] += at[c];
     }
   };
   for (std::size_t f = 0; f < mesh.faces(); ++f) {
@@ -121,13 +126,14 @@ std::vector<WallCell> cells_on(const FoamMesh& mesh, std::span<const std::size_t
   for (const std::size_t f : faces) {
     const FaceGeometry face = face_geometry(mesh, f);
     const double size = length(face.area);
-    const Corners& cell = corners.at(mesh.owner[f]);
+    const std::int32_t own = of_cell[static_cast<std::size_t>(mesh.owner[f])];
+    const Corners& cell = corners[static_cast<std::size_t>(own)];
     const auto above = [&](const Point3& at) {  // normals leave the cell
       return size > 0 ? -dot(minus(at, face.centre), face.area) / size : 0;
     };
     WallCell one;
     for (const Point3& at : cell.points) one.height = std::max(one.height, above(at));
-    const double n = cell.count;
+    const auto n = static_cast<double>(cell.points.size());
     one.centre = above({cell.sum[0] / n, cell.sum[1] / n, cell.sum[2] / n});
     cells.push_back(one);
   }

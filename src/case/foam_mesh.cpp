@@ -36,9 +36,12 @@ namespace {
 class FoamFile {
  public:
   explicit FoamFile(fs::path path) : path_(std::move(path)) {
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(path_, error);
     std::ifstream file(path_, std::ios::binary);
-    if (!file) fail(path_, "cannot be read");
-    text_.assign(std::istreambuf_iterator<char>(file), {});
+    if (error || !file) fail(path_, "cannot be read");
+    text_.resize(size);
+    if (!file.read(text_.data(), static_cast<std::streamsize>(size))) fail(path_, "cannot be read");
     const std::size_t end = text_.find('}');
     if (text_.find("FoamFile") == std::string::npos || end == std::string::npos)
       fail(path_, "is no file of OpenFOAM");
