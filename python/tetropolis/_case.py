@@ -48,7 +48,7 @@ def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5,
     sample_height, sample_spacing : float
         Where people feel the wind, above the ground, and the spacing of points there, metres.
     iterations : int
-        At most; residuals below 1e-4 (U: 1e-3) end the run before.
+        At most; residuals below 1e-4 (p: 2e-4, U: 1e-3) end the run before.
     dialect : {'com', 'org'}
         OpenFOAM of openfoam.com or openfoam.org.
     overwrite : bool

@@ -32,7 +32,7 @@ struct OpenfoamCaseOptions {
   double sample_height = 1.75;       ///< Where people feel the wind, above the ground [m], among
                                      ///< the buildings and one height of the highest around them.
   double sample_spacing = 2;         ///< Of the points there [m], or more: 400,000 points at most.
-  int iterations = 500;    ///< At most; residuals below 1e-4 (U: 1e-3) end the run before.
+  int iterations = 500;    ///< At most; residuals below 1e-4 (p: 2e-4, U: 1e-3) end the run before.
   bool overwrite = false;  ///< Whether a case that is there is replaced.
 };
 
