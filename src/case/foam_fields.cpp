@@ -123,7 +123,9 @@ std::string rough_lengths(const RoughWall& wall) {
 }  // namespace
 
 Places::Places(const FoamMesh& mesh)
-    : floors(floors_below(mesh.points)), cells(heights_of_cells(mesh, floors)) {
+    : floors(floors_below(mesh.points)),
+      cells(heights_of_cells(mesh, floors)),
+      layers_top(top_of_prisms(mesh, floors)) {
   for (const FoamPatch& patch : mesh.patches) {
     std::vector<std::size_t> faces;
     if (patch.is_wall && !patch.of_building())

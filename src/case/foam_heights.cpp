@@ -95,11 +95,7 @@ double top_of_prisms(const FoamMesh& mesh, const std::vector<double>& floors) {
 }
 
 std::vector<WallCell> cells_on(const FoamMesh& mesh, std::span<const std::size_t> faces) {
-  struct Corners {
-    Point3 sum{};
-    std::vector<Point3> points;
-  };
-  std::vector<Corners> corners;
+  std::vector<std::vector<Point3>> corners;
   std::vector<std::int32_t> of_cell(mesh.cells(), -1);
   for (const std::size_t f : faces) {
     std::int32_t& own = of_cell[static_cast<std::size_t>(mesh.owner[f])];
@@ -110,12 +106,8 @@ std::vector<WallCell> cells_on(const FoamMesh& mesh, std::span<const std::size_t
   const auto look = [&](std::int32_t cell, std::size_t f) {
     const std::int32_t own = of_cell[static_cast<std::size_t>(cell)];
     if (own < 0) return;
-    Corners& found = corners[static_cast<std::size_t>(own)];
-    for (const std::int32_t p : mesh.face(f)) {
-      const Point3& at = mesh.point(p);
-      found.points.push_back(at);
-      for (std::size_t c = 0; c < 3; ++c) found.sum[c] += at[c];
-    }
+    for (const std::int32_t p : mesh.face(f))
+      corners[static_cast<std::size_t>(own)].push_back(mesh.point(p));
   };
   for (std::size_t f = 0; f < mesh.faces(); ++f) {
     look(mesh.owner[f], f);
@@ -127,14 +119,18 @@ std::vector<WallCell> cells_on(const FoamMesh& mesh, std::span<const std::size_t
     const FaceGeometry face = face_geometry(mesh, f);
     const double size = length(face.area);
     const std::int32_t own = of_cell[static_cast<std::size_t>(mesh.owner[f])];
-    const Corners& cell = corners[static_cast<std::size_t>(own)];
     const auto above = [&](const Point3& at) {  // normals leave the cell
       return size > 0 ? -dot(minus(at, face.centre), face.area) / size : 0;
     };
     WallCell one;
-    for (const Point3& at : cell.points) one.height = std::max(one.height, above(at));
-    const auto n = static_cast<double>(cell.points.size());
-    one.centre = above({cell.sum[0] / n, cell.sum[1] / n, cell.sum[2] / n});
+    double sum = 0;
+    const std::vector<Point3>& points = corners[static_cast<std::size_t>(own)];
+    for (const Point3& at : points) {
+      const double height = above(at);
+      one.height = std::max(one.height, height);
+      sum += height;
+    }
+    one.centre = sum / static_cast<double>(points.size());
     cells.push_back(one);
   }
   return cells;

@@ -205,7 +205,7 @@ OpenfoamCase facts_of(const FoamMesh& mesh, const Places& places, const FoamFiel
   for (const std::vector<WallCell>& cells : places.on_walls)
     for (const WallCell& cell : cells) first.push_back(cell.height);
   result.ground_faces = std::ssize(first);
-  result.layers_top = top_of_prisms(mesh, places.floors);
+  result.layers_top = places.layers_top;
   if (!first.empty()) result.first_cell = median(first);
   result.canopies = std::ssize(mesh.canopies);
   for (const FoamCanopy& canopy : mesh.canopies) result.canopy_cells += std::ssize(canopy.cells);

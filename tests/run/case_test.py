@@ -51,15 +51,19 @@ def lists(path, kind, width):
     return found
 
 
+def patch_ranges(folder):
+    """Of a mesh: first face and number of faces by patch."""
+    return {name: (int(start), int(count)) for name, count, start in re.findall(
+        r"(\w+)\s*\{[^}]*nFaces\s+(\d+);\s*startFace\s+(\d+);", (folder / "boundary").read_text())}
+
+
 def mesh_of(case):
     folder = case / "constant/polyMesh"
     xyz = lists(folder / "points", "d", 3)[0]
     starts, corners = lists(folder / "faces", "i", 1)
     points = list(zip(xyz[0::3], xyz[1::3], xyz[2::3]))
     faces = [[points[p] for p in corners[a:b]] for a, b in zip(starts, starts[1:])]
-    patches = {name: faces[int(start):int(start) + int(count)] for name, count, start in re.findall(
-        r"(\w+)\s*\{[^}]*nFaces\s+(\d+);\s*startFace\s+(\d+);", (folder / "boundary").read_text())}
-    return points, patches
+    return points, {name: faces[start:start + count] for name, (start, count) in patch_ranges(folder).items()}
 
 
 def ground_line(patches, axis, where):
@@ -93,8 +97,7 @@ def check_ground(case, roughness):
     points = list(zip(xyz[0::3], xyz[1::3], xyz[2::3]))
     starts, corners = lists(folder / "faces", "i", 1)
     owner, neighbour = (lists(folder / name, "i", 1)[0] for name in ("owner", "neighbour"))
-    places = {name: (int(start), int(count)) for name, count, start in re.findall(
-        r"(\w+)\s*\{[^}]*nFaces\s+(\d+);\s*startFace\s+(\d+);", (folder / "boundary").read_text())}
+    places = patch_ranges(folder)
     nodes = {owner[f]: set() for name in roughness for f in range(places[name][0], sum(places[name]))}
     for cells in owner, neighbour:
         for f, cell in enumerate(cells):
@@ -267,8 +270,8 @@ def check_rose(program, folder):
     table = [row.split(",") for row in (moved / "rose.csv").read_text().splitlines()]
     x, y, _ = json.loads((moved / "report.json").read_text())["origin"]
     assert [list(map(float, row)) for row in table[1:]] == [[x + 1, y + 1, 5, 0.5, 0.75, 1, 0.75, 1, 337.5]], table
-    if said := shutil.which("gdalinfo"):  # the picture lies on the map: its bar of colours is 18 pixels high
-        corners = dict(re.findall(r"(Upper Left|Lower Right)\s+\(\s*(\S+,\s*\S+)\)", run(said, moved / "rose.png")))
+    if shutil.which("gdalinfo"):  # the picture lies on the map: its bar of colours is 18 pixels high
+        corners = dict(re.findall(r"(Upper Left|Lower Right)\s+\(\s*(\S+,\s*\S+)\)", run("gdalinfo", moved / "rose.png")))
         left, top = map(float, corners["Upper Left"].split(","))
         right, bottom = map(float, corners["Lower Right"].split(","))
         assert (left, top, right) == (x, y + 2, x + 2) and bottom < y, corners
