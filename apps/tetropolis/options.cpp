@@ -79,6 +79,20 @@ bool is_nowhere(const std::string& word) {
   return !std::filesystem::exists(word, error) && word.find_first_of("*?[") == std::string::npos;
 }
 
+/// Whether it is a folder of an earlier run without point clouds, or an empty one.
+bool holds_results(const std::string& word) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (!fs::is_directory(word, error)) return false;
+  if (fs::is_empty(word, error)) return true;
+  if (!fs::exists(fs::path(word) / "report.json", error)) return false;
+  for (fs::directory_iterator entry(word, error), end; !error && entry != end;
+       entry.increment(error))
+    if (const fs::path ending = entry->path().extension(); ending == ".laz" || ending == ".las")
+      return false;
+  return true;
+}
+
 /// "-o,--out".
 std::string spellings(const ConfigField& field) {
   return (field.letter == 0 ? "" : fmt::format("-{},", field.letter)) + option_name(field);
@@ -134,8 +148,9 @@ void ConfigOptions::place_words(Config& config) const {
         fmt::format("unknown argument '{}'; {}", words_[fields.size()],
                     given.empty() ? "the words of this command are " + usage_of_words(command_)
                                   : fmt::format("given already: {}", fmt::join(given, ", "))));
-  // Of too few, one that is nowhere is the folder to come.
-  if (words_.size() < fields.size() && fields.back()->name == "out" && is_nowhere(words_.back()))
+  // Of too few, one that is nowhere or has results already is the folder for them.
+  if (words_.size() < fields.size() && fields.back()->name == "out" &&
+      (is_nowhere(words_.back()) || holds_results(words_.back())))
     fields.erase(fields.begin() + std::ssize(words_) - 1, fields.end() - 1);
   std::size_t next = 0;
   for (const ConfigField* field : fields) {

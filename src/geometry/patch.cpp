@@ -18,8 +18,7 @@ PatchTable::PatchTable()
 
 void PatchTable::add(PatchInfo info) {
   assert(!contains(info.patch));
-  const auto after = std::find_if(patches_.begin(), patches_.end(),
-                                  [&](const PatchInfo& other) { return other.patch > info.patch; });
+  const auto after = patches_.begin() + static_cast<std::ptrdiff_t>(lower_bound(info.patch));
   patches_.insert(after, std::move(info));
 }
 
@@ -27,8 +26,14 @@ std::size_t PatchTable::position(Patch patch) const {
   // Numbers from 1 without a gap are the rule.
   const auto guess = static_cast<std::size_t>(patch) - 1;
   if (guess < patches_.size() && patches_[guess].patch == patch) return guess;
-  const auto found = std::find_if(patches_.begin(), patches_.end(),
-                                  [&](const PatchInfo& info) { return info.patch == patch; });
+  const std::size_t found = lower_bound(patch);
+  return found < patches_.size() && patches_[found].patch == patch ? found : patches_.size();
+}
+
+std::size_t PatchTable::lower_bound(Patch patch) const {
+  const auto found =
+      std::lower_bound(patches_.begin(), patches_.end(), patch,
+                       [](const PatchInfo& info, Patch number) { return info.patch < number; });
   return static_cast<std::size_t>(found - patches_.begin());
 }
 

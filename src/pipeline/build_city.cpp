@@ -426,27 +426,12 @@ HeightSources make_raw_city(const BuildCityOptions& options, CityInput& input, S
   return sources;
 }
 
-/// Parts without points of footprints that state a height have that, not the mean of their block.
-void state_part_heights(const BuildCityOptions& options, const CityModel& raw, CityModel& city,
-                        RoofFacts& facts) {
-  constexpr std::uint32_t kStated = kRoofFromAttribute | kRoofFromFloors | kDefaultHeight;
-  std::map<std::string_view, double> stated;
-  for (const Building& building : raw.buildings)
-    if ((building.flags & kStated) != 0)
-      for (const std::string& id : building.source_ids) stated[id] = building.h_roof;
-  if (stated.empty()) return;
-  double change = 0;
-  for (Building& building : city.buildings) {
-    if (building.parts.empty()) continue;
-    const double before = volume_of(building);
-    const double lowest = building.h_ground + options.heights.min_height;
-    for (RoofPart& part : building.parts)
-      if (const auto found = stated.find(part.source_id);
-          found != stated.end() && part.n_points == 0 && part.roof.is_flat())
-        part.roof.elevation = snap_height(std::max(found->second, lowest));
-    change += volume_of(building) - before;
-  }
-  facts.volume += change;
+/// Valid as long as `footprints` is.
+StatedRoofs stated_roofs(const FootprintsInput& footprints) {
+  StatedRoofs stated;
+  for (const Footprint& feature : footprints.features)
+    if (!feature.roofs.empty()) stated[feature.source_id] = feature.roofs;
+  return stated;
 }
 
 /// Steps 2.1 to 2.3: `result.city`.
@@ -483,9 +468,8 @@ void merge_buildings(const BuildCityOptions& options, const CityInput& input,
   if (options.lod != Lod::kBlock) {
     result.facts.roofs = clock.run("2.3", "roofs", [&](const Progress& progress) {
       return make_roofs(city, raw, points, simple.members, input.points.points,
-                        roof_options(options), progress);
+                        roof_options(options), stated_roofs(input.footprints), progress);
     });
-    state_part_heights(options, raw, city, result.facts.roofs);
     warn_of_roofs(result.facts.roofs, options.lod, result.warnings);
   }
   if (options.domain.shape != DomainShape::kData)

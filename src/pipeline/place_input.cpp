@@ -16,6 +16,7 @@
 #include "common_crs.h"
 #include "default_domain.h"
 #include "footprint_extent.h"
+#include "io/vector/vector_geometry.h"
 #include "require_room.h"
 #include "stray_points.h"
 
@@ -24,13 +25,8 @@ namespace tetropolis {
 namespace {
 
 void shift(FootprintsInput& footprints, Point2 origin) {
-  const auto shift_ring = [&](Ring& ring) {
-    for (Point2& p : ring) p = {p.x - origin.x, p.y - origin.y};
-  };
-  for (Footprint& feature : footprints.features) {
-    shift_ring(feature.polygon.outer);
-    for (Ring& hole : feature.polygon.holes) shift_ring(hole);
-  }
+  for (Footprint& feature : footprints.features)
+    for_each_position(feature, [&](Point2& p) { p = {p.x - origin.x, p.y - origin.y}; });
 }
 
 /// Whole steps of the coordinate grid, rounded inwards.

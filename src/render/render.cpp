@@ -78,7 +78,7 @@ Bounds2 around_buildings(const SurfaceMesh& surface) {
                      : box.grown(std::max(kLeast, kShare * std::max(box.width(), box.height())));
 }
 
-/// The scene of `city` and `plan`: on a slab whose thickness fits its width.
+/// The scene of `city` and `plan`: on a slab whose thickness fits its width, if there is ground.
 Scene city_on_slab(const SurfaceMesh& surface, const RenderOptions& options) {
   Scene scene = city_scene(surface, options.colour, options.edges);
   const Bounds2 box = around_buildings(surface);
@@ -97,7 +97,11 @@ Scene city_on_slab(const SurfaceMesh& surface, const RenderOptions& options) {
   const Vec3 middle = 0.5 * (low + high);
   move(scene, -1.0 * middle);
   constexpr double kThickness = 0.025;
-  add_slab(scene, low.z - middle.z - kThickness * std::max(high.x - low.x, high.y - low.y));
+  const auto is_ground = [&](Patch patch) {
+    return surface.patches.of(patch).kind == PatchKind::kGround;
+  };
+  if (std::any_of(surface.patch.begin(), surface.patch.end(), is_ground))
+    add_slab(scene, low.z - middle.z - kThickness * std::max(high.x - low.x, high.y - low.y));
   return scene;
 }
 

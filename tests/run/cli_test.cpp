@@ -1302,8 +1302,11 @@ TEST_F(Cli, WordsStandForInputAndOutput) {
   EXPECT_EQ(run("city --quiet --terrain-only input bare").code, 0);
   EXPECT_EQ(run("synth other --quiet --buildings 2 --size 60").code, 0);
   expect_error("city input/footprints.shp input", 2, "missing: --out (");
-  // A word that is nowhere is the folder to come.
+  // A word that is nowhere, or has results already, is their folder.
   EXPECT_EQ(run("city --quiet input/footprints.shp level").code, 0);               // without points
+  EXPECT_EQ(run("city --quiet input/footprints.shp level").code, 0);
+  fs::create_directory(scratch / "empty");
+  EXPECT_EQ(run("city --quiet input/footprints.shp empty").code, 0);
   EXPECT_EQ(run("mesh --quiet --mesh-size 20 one/city.city.json again").code, 0);  // one/dtm.tif
   expect_error("city input/footprints.shp input new extra", 3,
                "new: no such file or folder; all words but the first and the last");

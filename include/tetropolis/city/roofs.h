@@ -10,6 +10,7 @@
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/city/extract.h"
+#include "tetropolis/city/stated_roof.h"
 #include "tetropolis/core/progress.h"
 #include "tetropolis/geometry/point_cloud.h"
 
@@ -46,7 +47,9 @@ struct RoofFacts {
 
 /// Gives the buildings of `city` their parts. `raw`: the buildings before merging, whose source ids
 /// are those of `city`; `points`: of the buildings of `raw`, outliers not dropped, with indices of
-/// `cloud`; `members`: per building of `city`, those of `raw` that it is made of.
+/// `cloud`; `members`: per building of `city`, those of `raw` that it is made of; `stated`: in the
+/// local frame, for footprints without points, where samples of them do (RoofPart::n_points counts
+/// these).
 ///
 /// A building is divided where its points say so (label_cells.h), the lines are simplified to the
 /// clearance together (clear_lines.h), and each part gets a plane fitted to its points, or, where a
@@ -57,7 +60,8 @@ struct RoofFacts {
 /// any number of threads; a building's parts depend on its own points and footprints alone.
 RoofFacts make_roofs(CityModel& city, const CityModel& raw, const BuildingPoints& points,
                      std::span<const std::vector<BuildingIndex>> members, const PointCloud& cloud,
-                     const RoofOptions& options, const Progress& progress = {});
+                     const RoofOptions& options, const StatedRoofs& stated = {},
+                     const Progress& progress = {});
 
 /// What is wrong with the parts of buildings, one line each: parts that do not tile their
 /// footprint, rings that are not simple or turn the wrong way, parts below `min_area`, vertices and

@@ -63,6 +63,9 @@ class PatchTable {
   friend bool operator==(const PatchTable&, const PatchTable&) = default;
 
  private:
+  /// Where the first patch stands whose number is not below; size() without one.
+  std::size_t lower_bound(Patch patch) const;
+
   std::vector<PatchInfo> patches_;
 };
 

@@ -12,6 +12,7 @@
 
 #include "city/roofs/plane_fit.h"
 #include "city/roofs/roof_of_building.h"
+#include "city/roofs/sample_roofs.h"
 #include "city/roofs/separate_valleys.h"
 #include "core/parallel.h"
 #include "core/shared_progress.h"
@@ -27,13 +28,18 @@ struct BuildingFacts {
 };
 
 RoofInput input_of(const Building& building, const CityModel& raw, const BuildingPoints& points,
-                   const std::vector<BuildingIndex>& members, const PointCloud& cloud) {
+                   const std::vector<BuildingIndex>& members, const PointCloud& cloud,
+                   const StatedRoofs& stated) {
   RoofInput input;
   input.footprint = building.footprint;
   for (const BuildingIndex m : members) {
     input.members.push_back(&raw.buildings[m].footprint);
     std::vector<Point3> list;
     for (const PointIndex p : points.roof[m]) list.push_back({cloud.x[p], cloud.y[p], cloud.z[p]});
+    const Building& footprint = raw.buildings[m];
+    if (const auto roofs = stated.find(footprint.source_ids.front());
+        list.empty() && roofs != stated.end())
+      list = sample_roofs(roofs->second, footprint.footprint, footprint.h_ground);
     input.points.push_back(list);
   }
   return input;
@@ -60,6 +66,15 @@ void count(const FinishedRoof& roof, const Building& building, Lod wanted, Build
           std::sqrt(roof.squared_errors[m] / static_cast<double>(roof.counts[m])));
 }
 
+/// A part without points of a footprint that states a height has that, not the mean of its block.
+void state_height(const Building& footprint, double lowest, FinishedPart& part) {
+  constexpr std::uint32_t kStated = kRoofFromAttribute | kRoofFromFloors | kDefaultHeight;
+  if ((footprint.flags & kStated) == 0 || part.part.n_points > 0 || !part.part.roof.is_flat())
+    return;
+  part.part.roof.elevation = snap_height(std::max(footprint.h_roof, lowest));
+  part.mean_of_roof = part.part.roof.elevation;
+}
+
 /// A roof as good as can be, and the building with its parts.
 struct Attempt {
   FinishedRoof roof;
@@ -71,13 +86,15 @@ Attempt attempt(const Building& building, const RoofInput& input, const RoofFind
                 const CityModel& raw, const std::vector<BuildingIndex>& members,
                 const RoofOptions& options) {
   Attempt result;
-  result.roof = roof_of_building(input, found, options, building.h_roof,
-                                 building.h_ground + options.min_height);
+  const double lowest = building.h_ground + options.min_height;
+  result.roof = roof_of_building(input, found, options, building.h_roof, lowest);
   result.building = building;
   result.building.footprint = result.roof.footprint;
   for (FinishedPart& finished : result.roof.parts) {
-    finished.part.source_id =
-        raw.buildings[members[static_cast<std::size_t>(finished.member)]].source_ids.front();
+    const Building& footprint =
+        raw.buildings[members[static_cast<std::size_t>(finished.member)]];
+    finished.part.source_id = footprint.source_ids.front();
+    state_height(footprint, lowest, finished);
     result.building.parts.push_back(finished.part);
   }
   result.is_valid =
@@ -127,14 +144,15 @@ void add(const BuildingFacts& one, BuildingFacts& all) {
 
 RoofFacts make_roofs(CityModel& city, const CityModel& raw, const BuildingPoints& points,
                      std::span<const std::vector<BuildingIndex>> members, const PointCloud& cloud,
-                     const RoofOptions& options, const Progress& progress) {
+                     const RoofOptions& options, const StatedRoofs& stated,
+                     const Progress& progress) {
   if (options.lod == Lod::kBlock) return {};
   std::vector<BuildingFacts> facts(city.buildings.size());
   SharedProgress shared(progress, city.buildings.size());
   parallel_chunks(city.buildings.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b) {
       Building& building = city.buildings[b];
-      facts[b] = make_roof(building, input_of(building, raw, points, members[b], cloud), raw,
+      facts[b] = make_roof(building, input_of(building, raw, points, members[b], cloud, stated), raw,
                            members[b], options);
       shared.add(1);
     }

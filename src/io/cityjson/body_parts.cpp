@@ -1,5 +1,6 @@
 #include "body_parts.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -96,6 +97,26 @@ BodyParts parts_of(std::span<const Face> faces, const Polygon& ground, double lo
   if (!fault.empty()) return without("roofs that " + fault);
   if (result.parts.size() == 1 && result.parts[0].roof.is_flat()) return {};
   return result;
+}
+
+StatedRoof stated_roof(const Polygon& outline, const RoofPlane& plane, double ground) {
+  StatedRoof roof{outline, {plane.at, plane.at, plane.at}, {}};
+  roof.at[1].x += 1;
+  roof.at[2].y += 1;
+  for (std::size_t i = 0; i < roof.at.size(); ++i) roof.height[i] = plane(roof.at[i]) - ground;
+  return roof;
+}
+
+std::vector<StatedRoof> stated_roofs(std::span<const Face> faces, double ground) {
+  const auto is_roof = [](const Face& face) { return face.is_roof; };
+  const bool are_known = std::any_of(faces.begin(), faces.end(), is_roof);
+  std::vector<StatedRoof> roofs;
+  for (const Face& face : faces) {
+    if ((are_known && !face.is_roof) || face.rings.empty() || face.rings[0].size() < 3) continue;
+    if (const std::optional<RoofPlane> plane = plane_of(face))
+      roofs.push_back(stated_roof(plan_of(face), *plane, ground));
+  }
+  return roofs;
 }
 
 }  // namespace tetropolis

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tetropolis/city/city_model.h"
+#include "tetropolis/city/stated_roof.h"
 
 #include "body_footprint.h"
 
@@ -29,5 +30,12 @@ struct BodyParts {
 ///
 /// The parts have no source_id and no points. `ground`: valid, oriented.
 BodyParts parts_of(std::span<const Face> faces, const Polygon& ground, double low, Lod lod);
+
+/// A roof plane over `outline`, as heights above `ground`.
+StatedRoof stated_roof(const Polygon& outline, const RoofPlane& plane, double ground);
+
+/// All that is above a body, whether it tiles its ground or not: one per face whose semantics say
+/// RoofSurface, or, where none does, per face that is not vertical; by the planes nearest to them.
+std::vector<StatedRoof> stated_roofs(std::span<const Face> faces, double ground);
 
 }  // namespace tetropolis

@@ -279,9 +279,10 @@ Lod lod_of(double level) { return level >= 2 ? Lod::k2_2 : level >= 1.25 ? Lod::
 
 class CityReader {
  public:
-  /// `keys`: of all objects of the file.
-  CityReader(const CityFrame& frame, std::span<const std::string> keys, CityModel& model)
-      : frame_(frame), keys_(keys.begin(), keys.end()), model_(model) {}
+  /// `keys`: of all objects of the file. `roofs`, if given: see read_city.
+  CityReader(const CityFrame& frame, std::span<const std::string> keys, CityModel& model,
+             std::vector<std::vector<StatedRoof>>* roofs)
+      : frame_(frame), keys_(keys.begin(), keys.end()), model_(model), roofs_(roofs) {}
 
   void add(const Place& object, const std::string& key) {
     const std::string& type = object.at("type").text();
@@ -355,7 +356,10 @@ class CityReader {
       require_parts(object, building);
       if (!is_roofed(faces, building)) other_solids_.push_back(building.id);
     }
-    model_.buildings.push_back(std::move(building));
+    std::vector<StatedRoof> roofs;
+    for (const RoofPart& part : building.parts)
+      roofs.push_back(stated_roof(part.outline, part.roof, building.h_ground));
+    push_back(std::move(building), std::move(roofs));
   }
 
   static void require_parts(const Place& object, const Building& building) {
@@ -384,6 +388,8 @@ class CityReader {
       // What is lower than a storey has lost its roof to another piece.
       if (heights.high - heights.low < kLeastHeight) heights = whole;
       const std::vector<Face>& own = parts.empty() ? faces : parts[k];
+      std::vector<StatedRoof> roofs;
+      if (lod_of(geometry.lod) > Lod::k1_2) roofs = stated_roofs(own, heights.low);
       BodyParts body = parts_of(own, footprint.polygons[k], heights.low, lod_of(geometry.lod));
       if (flattened.empty() && (heights.is_flattened || has_roof_below(own, heights.high)))
         flattened = body.reason;
@@ -399,14 +405,20 @@ class CityReader {
         building.footprint = std::move(body.footprint);
         building.parts = std::move(body.parts);
       }
-      model_.buildings.push_back(std::move(building));
+      push_back(std::move(building), std::move(roofs));
     }
     if (!flattened.empty() && flattened_++ == 0) first_flattened_ = key + ": " + flattened;
+  }
+
+  void push_back(Building building, std::vector<StatedRoof> roofs) {
+    model_.buildings.push_back(std::move(building));
+    if (roofs_ != nullptr) roofs_->push_back(std::move(roofs));
   }
 
   const CityFrame& frame_;
   std::unordered_set<std::string> keys_;
   CityModel& model_;
+  std::vector<std::vector<StatedRoof>>* roofs_;
   std::vector<std::string> other_solids_;
   std::vector<std::string> extension_types_;
   std::size_t flattened_ = 0;
@@ -539,7 +551,8 @@ bool states_its_extent(const Place& root, const CityFrame& frame) {
 
 /// What became of objects otherwise than one might think; `dropped` are no buildings.
 void warn_of_objects(const fs::path& path, const CityReader& reader,
-                     std::span<const Dropped> dropped, std::vector<Warning>& warnings) {
+                     std::span<const Dropped> dropped, bool has_roofs,
+                     std::vector<Warning>& warnings) {
   const auto warn = [&](const char* code, std::size_t count, std::string message) {
     if (count > 0)
       warnings.push_back({code, static_cast<std::int64_t>(count),
@@ -549,11 +562,11 @@ void warn_of_objects(const fs::path& path, const CityReader& reader,
     warn("city_objects_dropped", dropped.size(),
          fmt::format("{} buildings or parts without usable geometry were dropped (first: {}, {})",
                      dropped.size(), dropped.front().source_id, dropped.front().reason));
-  warn(
-      "city_roofs_flattened", reader.flattened(),
-      fmt::format("{} roofs became flat at the height that nine tenths of their area do not exceed "
-                  "(first: {})",
-                  reader.flattened(), reader.first_flattened()));
+  if (!has_roofs)
+    warn("city_roofs_flattened", reader.flattened(),
+         fmt::format("{} roofs became flat at the height that nine tenths of their area do not "
+                     "exceed (first: {})",
+                     reader.flattened(), reader.first_flattened()));
   const std::vector<std::string>& unknown = reader.extension_types();
   warn("city_types_unknown", unknown.size(),
        fmt::format("{} objects of extension types were left out (first: {}); change their type to "
@@ -569,7 +582,8 @@ void warn_of_objects(const fs::path& path, const CityReader& reader,
 
 }  // namespace
 
-CityModel read_city(const fs::path& path, std::vector<Warning>* warnings, BrokenObjects broken) {
+CityModel read_city(const fs::path& path, std::vector<Warning>* warnings, BrokenObjects broken,
+                    std::vector<std::vector<StatedRoof>>* roofs) {
   const ModelDocument document = parse(path);
   const Place root(path, document.root);
   check_type(root);
@@ -590,7 +604,7 @@ CityModel read_city(const fs::path& path, std::vector<Warning>* warnings, Broken
   const std::size_t dropped_before = model.dropped.size();
   const Place objects = root.at("CityObjects");
   if (!objects.value().is_object()) objects.fail("is not an object");
-  CityReader reader(frame, document.keys, model);
+  CityReader reader(frame, document.keys, model, roofs);
   for (const std::string& key : document.keys) {
     if (drop_broken)
       reader.add_or_drop(objects.at(key), key);
@@ -616,7 +630,8 @@ CityModel read_city(const fs::path& path, std::vector<Warning>* warnings, Broken
            fmt::format("{}: {} outlines state neither height nor storeys and are raised by 6 m "
                        "(first: {})",
                        path.string(), guessed.size(), guessed.front())});
-    warn_of_objects(path, reader, std::span(model.dropped).subspan(dropped_before), *warnings);
+    warn_of_objects(path, reader, std::span(model.dropped).subspan(dropped_before),
+                    roofs != nullptr, *warnings);
     if (!states_its_extent(root, frame))
       warnings->push_back(
           {"city_extent_differs", 1,

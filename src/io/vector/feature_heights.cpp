@@ -111,12 +111,14 @@ bool has_number(OGRLayerH layer, const char* name) {
   return field >= 0 && what_else(OGR_FD_GetFieldDefn(columns, field)) == nullptr;
 }
 
-/// What the data of OpenStreetMap and Overture call them, where the layer is of these.
 std::string usual_height(OGRLayerH layer) {
-  if (has_column(layer, kOtherTags)) return "height";
-  const bool known = has_column(layer, "building") || has_column(layer, "num_floors") ||
-                     has_column(layer, "is_underground");
-  return known && has_number(layer, "height") ? "height" : "";
+  return has_column(layer, kOtherTags) || has_number(layer, "height") ? "height" : "";
+}
+
+/// Of OpenStreetMap and Overture, whose heights are in metres above ground.
+bool is_known(OGRLayerH layer) {
+  return has_column(layer, kOtherTags) || has_column(layer, "building") ||
+         has_column(layer, "num_floors") || has_column(layer, "is_underground");
 }
 
 std::string usual_floors(OGRLayerH layer) {
@@ -137,6 +139,7 @@ HeightReader::HeightReader(const fs::path& path, OGRLayerH layer,
               options.floors_attribute.empty() ? usual_floors(layer) : options.floors_attribute,
               "number of floors", "floors_attribute"),
       is_asked_for_(!options.height_attribute.empty()),
+      is_known_(is_known(layer)),
       floor_height_(options.floor_height),
       unit_(options.height_unit) {}
 
@@ -163,16 +166,25 @@ StatedHeight HeightReader::read(OGRFeatureH feature, const std::string& id) {
   return {stated};
 }
 
-std::optional<Warning> HeightReader::warning() const {
-  if (others_ == 0) return std::nullopt;
+std::vector<Warning> HeightReader::warnings() const {
+  std::vector<Warning> warnings;
+  if (usable_ > 0 && !is_asked_for_ && !is_known_)
+    warnings.push_back({"height_assumed", usable_,
+                        fmt::format("{}: the attribute '{}' is taken for heights above ground in "
+                                    "{}; name another with height_attribute or height_unit",
+                                    path_.string(), height_.name(),
+                                    unit_ == 1 ? "metres" : fmt::format("{:.4g} m", unit_))});
+  if (others_ == 0) return warnings;
   if (usable_ == 0 && is_asked_for_)
     fail_input(
         path_,
         fmt::format("attribute '{}' has no usable height ({}); name another with height_attribute",
                     height_.name(), first_));
-  return Warning{"height_not_a_number", others_,
-                 one_line(fmt::format("{}: {} features have no usable height in '{}' (first: {})",
-                                      path_.string(), others_, height_.name(), first_))};
+  warnings.push_back(
+      {"height_not_a_number", others_,
+       one_line(fmt::format("{}: {} features have no usable height in '{}' (first: {})",
+                            path_.string(), others_, height_.name(), first_))});
+  return warnings;
 }
 
 }  // namespace tetropolis

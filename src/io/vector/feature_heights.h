@@ -3,8 +3,8 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
+#include <vector>
 
 #include "tetropolis/core/warning.h"
 #include "tetropolis/io/vector/vector.h"
@@ -61,14 +61,15 @@ class HeightReader {
 
   StatedHeight read(OGRFeatureH feature, const std::string& id);
 
-  /// After all features: a warning where some have no usable height. Throws where all have none of
-  /// an attribute that was asked for.
-  std::optional<Warning> warning() const;
+  /// After all features: what was taken for heights without being asked for, and that some have no
+  /// usable one. Throws where all have none of an attribute that was asked for.
+  std::vector<Warning> warnings() const;
 
  private:
   const std::filesystem::path& path_;
   AttributeField height_, floors_;
   bool is_asked_for_ = false;
+  bool is_known_ = false;
   double floor_height_;
   double unit_;
   std::int64_t usable_ = 0;

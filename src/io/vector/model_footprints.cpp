@@ -6,6 +6,7 @@
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -15,6 +16,7 @@
 
 #include "core/text.h"
 #include "io/cityjson/citygml.h"
+#include "vector_geometry.h"
 
 namespace tetropolis {
 
@@ -58,19 +60,20 @@ FootprintsInput read_model_footprints(const fs::path& path, const ReadFootprints
                               path.string(), name));
   FootprintsInput input;
   input.source = path.string();
-  CityModel model = read_city(path, &input.warnings, BrokenObjects::kDrop);
+  std::vector<std::vector<StatedRoof>> roofs;
+  CityModel model = read_city(path, &input.warnings, BrokenObjects::kDrop, &roofs);
   input.crs = options.source_crs.empty() ? model.crs : normalise_crs(options.source_crs);
   input.layer = "city model";
-  for (const Building& building : model.buildings) {
+  for (std::size_t b = 0; b < model.buildings.size(); ++b) {
+    const Building& building = model.buildings[BuildingIndex(b)];
     Footprint feature;
     feature.source_id = building.source_ids.front();
     feature.polygon = building.footprint;
-    const auto shift = [&](Ring& ring) {
-      for (Point2& p : ring) p = {p.x + model.origin.x, p.y + model.origin.y};
-    };
-    shift(feature.polygon.outer);
-    for (Ring& hole : feature.polygon.holes) shift(hole);
     feature.height = building.h_roof - building.h_ground;
+    feature.roofs = std::move(roofs[b]);
+    for_each_position(feature, [&](Point2& p) {
+      p = {p.x + model.origin.x, p.y + model.origin.y};
+    });
     for (const Point2 p : feature.polygon.outer) input.bounds.extend(p);
     input.features.push_back(std::move(feature));
   }

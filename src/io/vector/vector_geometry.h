@@ -8,6 +8,7 @@
 #include <ogr_api.h>
 
 #include "tetropolis/geometry/types.h"
+#include "tetropolis/io/vector/vector.h"
 
 #include "io/vector/quirks/turned_rings.h"
 
@@ -27,6 +28,16 @@ void for_each_vertex(Polygon& polygon, const Visit& visit) {
   for (Point2& p : polygon.outer) visit(p);
   for (Ring& hole : polygon.holes)
     for (Point2& p : hole) visit(p);
+}
+
+/// Calls visit(position) for every vertex of the outline and all positions of the roofs.
+template <typename Visit>
+void for_each_position(Footprint& footprint, const Visit& visit) {
+  for_each_vertex(footprint.polygon, visit);
+  for (StatedRoof& roof : footprint.roofs) {
+    for_each_vertex(roof.outline, visit);
+    for (Point2& p : roof.at) visit(p);
+  }
 }
 
 /// How to understand coordinates as those of a plan.

@@ -347,7 +347,7 @@ class LayerReader {
          "layer to one of footprints if there is one");
     tell("below_ground", below_ground_,
          "features are below ground by their attributes and are dropped");
-    if (const auto warning = heights_.warning()) result_.warnings.push_back(*warning);
+    for (Warning& warning : heights_.warnings()) result_.warnings.push_back(std::move(warning));
   }
 
   void warn(const char* code, std::int64_t count, const std::string& message) {
@@ -448,7 +448,7 @@ void reproject_features(const fs::path& path, const std::string& target, Footpri
   warn_of_missing_grid(path, target, result);
   std::vector<Point2> points;
   for (Footprint& feature : result.features)
-    for_each_vertex(feature.polygon, [&](const Point2& p) { points.push_back(p); });
+    for_each_position(feature, [&](const Point2& p) { points.push_back(p); });
   try {
     points = reproject(points, result.crs, target);
   } catch (const Error& error) {
@@ -462,7 +462,7 @@ void reproject_features(const fs::path& path, const std::string& target, Footpri
   kept.reserve(result.features.size());
   for (Footprint& feature : result.features) {
     bool good = true;
-    for_each_vertex(feature.polygon, [&](Point2& p) {
+    for_each_position(feature, [&](Point2& p) {
       p = points[next++];
       good = good && std::isfinite(p.x);
     });

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tetropolis/city/city_model.h"
+#include "tetropolis/city/stated_roof.h"
 #include "tetropolis/core/warning.h"
 
 namespace tetropolis {
@@ -77,9 +78,12 @@ enum class BrokenObjects { kRefuse, kDrop };
 /// Buildings that only hold parts and other types of object are no input features. Origin:
 /// `translate` if that is whole metres and no more than 100 km away, else the south-west corner of
 /// the vertices, rounded down. Domain: as stored, or empty (xmin > xmax) if there is none.
+/// `roofs`, if given, gets what is above each building, in the model's order and frame, also where
+/// it does not tile the ground: one roof per RoofSurface (of a geometry without semantics: per
+/// surface that is not vertical, so that the highest counts), none of LoD 0 to 1.2.
 /// `warnings`, if given, gets "city_objects_dropped", "city_types_unknown" where objects have types
 /// of an extension, and "city_roofs_flattened" where roofs of blocks reach more than half a metre
-/// above that height.
+/// above that height and `roofs` is not asked for.
 ///
 /// Errors, kInput with the path and the place in it ("/CityObjects/a/geometry/0/boundaries"):
 /// missing, not JSON (with the byte), not CityJSON, unknown version, wrong types, indices out of
@@ -88,6 +92,7 @@ enum class BrokenObjects { kRefuse, kDrop };
 /// BrokenObjects::kDrop an object of another file that is one of these goes to `dropped`, with the
 /// place in its reason, and costs nothing else.
 CityModel read_city(const std::filesystem::path& path, std::vector<Warning>* warnings = nullptr,
-                    BrokenObjects broken = BrokenObjects::kRefuse);
+                    BrokenObjects broken = BrokenObjects::kRefuse,
+                    std::vector<std::vector<StatedRoof>>* roofs = nullptr);
 
 }  // namespace tetropolis

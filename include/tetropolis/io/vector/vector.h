@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tetropolis/city/city_model.h"
+#include "tetropolis/city/stated_roof.h"
 #include "tetropolis/core/warning.h"
 #include "tetropolis/geometry/types.h"
 
@@ -67,6 +68,7 @@ struct Footprint {
                                                              ///< feature states none.
   std::int64_t feature = -1;  ///< Row of FootprintsInput::attributes; -1 if there is none.
   bool from_floors = false;   ///< The height is a number of floors times floor_height.
+  std::vector<StatedRoof> roofs = {};  ///< Of a city model; none: flat at `height`.
 };
 
 /// A feature, or a polygon of one, that is no footprint.
