@@ -100,7 +100,7 @@ nb::str text(std::string_view view) { return nb::str(view.data(), view.size()); 
 /// A value as the text that set_field takes. Numbers of NumPy and paths are what they stand for.
 std::string text_of(nb::handle value) {
   nb::object plain = nb::borrow(value);
-  if (nb::hasattr(value, "item"))
+  if (nb::hasattr(value, "ndim") && nb::cast<int>(value.attr("ndim")) == 0)
     plain = value.attr("item")();
   else if (nb::hasattr(value, "__fspath__"))
     plain = value.attr("__fspath__")();
@@ -124,6 +124,11 @@ std::vector<std::string> texts_of(nb::handle value) {
 
 [[noreturn]] void throw_unknown(const std::string& function, const std::string& keyword,
                                 const std::vector<const ConfigField*>& fields) {
+  for (const char* other : {"build_city", "build_mesh"})
+    for (const ConfigField* field : fields_of(other))
+      if (field->name == keyword)
+        throw Error(ErrorKind::kUsage,
+                    function + "() has no keyword '" + keyword + "'; it is one of " + other + "()");
   std::vector<std::string> known;
   for (const ConfigField* field : fields) known.emplace_back(field->name);
   const std::string nearest = nearest_name(keyword, known);

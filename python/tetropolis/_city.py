@@ -93,7 +93,7 @@ class CityModel:
     @property
     def h_roof(self) -> Floats:
         """Elevations of the roofs, metres, shape (n,); the library's own memory: edit it, then `build_mesh` again. Roofs
-        of parts rise as much."""
+        of parts rise or fall as much, but not to less than 2.5 m above the ground (or `h_roof`)."""
         return self._model.h_roof
 
     @h_roof.setter
@@ -168,7 +168,7 @@ class CityModel:
 
     @property
     def parts(self) -> pandas.DataFrame:
-        """One row per part of a building, if it has some: `building` (position), `id`, `part` (from 0), `source_id`,
+        """A copy, one row per part of a building, if it has some: `building` (position), `id`, `part` (from 0), `source_id`,
         `lod` ("1.2", "1.3", "2.2" or "block"), `slope` and `azimuth` (degrees; where the roof looks, clockwise from
         north, NaN if level), `area` (m2, in plan), `rmse` (m, NaN without points), `n_points`, `h_min`, `h_max` (m of
         elevation)."""

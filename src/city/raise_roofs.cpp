@@ -1,14 +1,23 @@
 #include "tetropolis/city/raise_roofs.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+
+#include "tetropolis/city/roof_summary.h"
 
 namespace tetropolis {
 
 namespace {
 
+/// By which h_roof has been raised already.
 void raise_parts(Building& building, double by) {
-  for (RoofPart& part : building.parts) part.roof.elevation = snap_height(part.roof.elevation + by);
+  constexpr double kLeast = 2.5;  // metres
+  const double floor = building.h_ground + std::min(kLeast, building.h_roof - building.h_ground);
+  for (RoofPart& part : building.parts) {
+    const double most = std::min(0.0, floor - range_of(part).low);
+    part.roof.elevation = snap_height(part.roof.elevation + std::max(by, most));
+  }
 }
 
 }  // namespace

@@ -12,8 +12,6 @@
 
 namespace tetropolis {
 
-namespace {}  // namespace
-
 bool Domain::is_meshable() const {
   return std::isfinite(box_.xmin) && std::isfinite(box_.ymin) && std::isfinite(box_.xmax) &&
          std::isfinite(box_.ymax) && box_.xmin < box_.xmax && box_.ymin < box_.ymax;

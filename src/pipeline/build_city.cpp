@@ -474,8 +474,11 @@ void merge_buildings(const BuildCityOptions& options, const CityInput& input,
   }
   if (options.domain.shape != DomainShape::kData)
     result.facts.domain = clock.run("2.3", "domain", [&](const Progress&) {
+      // Level ground is a single node.
+      const Raster* given = input.terrain ? &input.terrain->raster : nullptr;
+      if (given != nullptr && given->values.size() == 1) given = nullptr;
       return fit_wind_domain(options.domain, options.simplify.min_distance, city, result.terrain,
-                             result.warnings);
+                             result.warnings, given);
     });
   fill_facts(raw, city, simple, result.facts);
   result.facts.account = account_of(result.input, city);

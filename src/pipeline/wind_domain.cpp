@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
 #include <numeric>
 #include <utility>
@@ -255,8 +256,24 @@ double guideline_top(const CityModel& city) {
   return snap_height(highest + kAbove * height_of(tallest_of(city)));
 }
 
+namespace {
+
+/// How far nodes of the terrain within the domain have moved, at most.
+double most_levelled(const Raster& terrain, const Raster& faded, const Domain& domain) {
+  double most = 0;
+  for (std::int32_t j = 0; j < terrain.ny; ++j)
+    for (std::int32_t i = 0; i < terrain.nx; ++i) {
+      const Point2 p{terrain.x0 + i * terrain.step, terrain.y0 + j * terrain.step};
+      if (domain.contains(p)) most = std::max(most, std::abs(terrain.at(i, j) - sample(faded, p)));
+    }
+  return most;
+}
+
+}  // namespace
+
 WindDomainFacts fit_wind_domain(const WindDomainOptions& options, double min_distance,
-                                CityModel& city, Raster& terrain, std::vector<Warning>& warnings) {
+                                CityModel& city, Raster& terrain, std::vector<Warning>& warnings,
+                                const Raster* wider) {
   WindDomainFacts facts;
   if (options.shape == DomainShape::kData) return facts;
   const Bounds2 data = city.domain.bounds();
@@ -306,10 +323,18 @@ WindDomainFacts fit_wind_domain(const WindDomainOptions& options, double min_dis
   facts.area_outside_data = share_outside(city.domain, data);
   facts.rim_height = rim_height(terrain);
   constexpr double kLeastFade = 10;  // steps of the terrain
-  terrain = extend_terrain(
-      terrain, city.domain.bounds(),
-      {around.along, around.core, std::max(kInflow * around.height, kLeastFade * terrain.step),
-       facts.rim_height});
+  const double width = std::max(kInflow * around.height, kLeastFade * terrain.step);
+  Raster faded = extend_terrain(terrain, city.domain.bounds(),
+                                {around.along, around.core, width, facts.rim_height}, wider);
+  const double levelled = most_levelled(terrain, faded, city.domain);
+  constexpr double kTold = 2;  // metres
+  if (levelled > kTold)
+    warnings.push_back(
+        {"terrain_levelled", 1,
+         fmt::format("over {:.0f} m around the buildings the terrain fades to level, and is off by "
+                     "up to {:.0f} m for that; `domain` = data keeps it as it is",
+                     width, levelled)});
+  terrain = std::move(faded);
   return facts;
 }
 

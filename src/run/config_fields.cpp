@@ -112,7 +112,8 @@ std::vector<ConfigField> make_fields() {
        .commands = kData,
        .help = "data: where there are data, or `bounds`; auto: a box around the buildings by COST "
                "732 and AIJ, widened until they block 3 % of it; cylinder: one for all winds; or a "
-               "file with a polygon. Terrain beyond the buildings fades to level",
+               "file with a polygon. Terrain beyond the buildings fades to level, but for that of "
+               "`dtm`",
        .value = "data|auto|cylinder|FILE",
        .common = true},
       {.name = "wind_from",

@@ -8,6 +8,7 @@
 
 #include "tetropolis/city/roof_summary.h"
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/system_memory.h"
 #include "tetropolis/core/threads.h"
 
 #include "core/step_clock.h"
@@ -135,6 +136,7 @@ CityInMemory make_city(Config config, InputInMemory input, const StepHooks& hook
   CityInMemory city{{}, begin_report("city", config)};
   // Canopies are told when the city is meshed.
   city.built = make_city(config, Next::kNothing, input, {hooks, {}, {}}, city.report, true);
+  city.report.peak_rss_bytes = peak_rss_bytes();
   return city;
 }
 
@@ -147,6 +149,7 @@ CityInMemory load_city(const Config& given, const StepHooks& hooks) {
   const ThreadLimit limit(config.threads);
   CityInMemory city{{}, begin_report("mesh", config)};
   city.built = load_city(config, hooks, city.report);
+  city.report.peak_rss_bytes = peak_rss_bytes();
   return city;
 }
 
@@ -158,6 +161,7 @@ MeshInMemory make_mesh(const Config& config, const BuiltCity& city, const StepHo
   keep_domain(city.city, mesh.report);
   mesh.report.city = city.facts;
   mesh.mesh = make_mesh(config, city.city, city.terrain, city.canopy_heights, hooks, mesh.report);
+  mesh.report.peak_rss_bytes = peak_rss_bytes();
   return mesh;
 }
 
@@ -168,6 +172,7 @@ std::string make_page(const CityInMemory& city) {
 std::string make_page(const CityInMemory& city, const MeshInMemory& mesh) {
   Report report = city.report;
   report.config = mesh.report.config;
+  report.peak_rss_bytes = mesh.report.peak_rss_bytes;
   report.ground_mesh = mesh.report.ground_mesh;
   report.volume_mesh = mesh.report.volume_mesh;
   report.surface_mesh = mesh.report.surface_mesh;

@@ -99,7 +99,7 @@ Bounds2 reading_box(const Config& config, const FootprintsInput& footprints) {
   if (!config.bounds.empty()) return stated_box(config);
   if (!footprints.bounds.empty()) return footprints.bounds.grown(config.domain_margin);
   const std::string why = footprints.dropped.empty()
-                              ? "it is empty"
+                              ? (config.where.empty() ? "it is empty" : "none meets `where`")
                               : fmt::format("feature {}: {}", footprints.dropped.front().source_id,
                                             footprints.dropped.front().reason);
   throw Error(

@@ -78,7 +78,9 @@ TerrainInput read_terrain(const Config& config, const RasterHeaders& rasters,
   ReadElevationsOptions options;
   options.source_crs = config.raster_crs;
   options.target_crs = crs;
-  options.box = box;
+  // A domain that is fitted to the wind reaches beyond the buildings.
+  constexpr double kBeyond = 2000;  // metres
+  options.box = config.domain == "data" || box.empty() ? box : box.grown(kBeyond);
   options.origin = origin;
   Elevations read = read_elevations(rasters.terrain, options);
   terrain.crs = crs;

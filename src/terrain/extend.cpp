@@ -43,7 +43,8 @@ double rim_height(const Raster& raster) {
   return sum / static_cast<double>(count);
 }
 
-Raster extend_terrain(const Raster& raster, const Bounds2& box, const TerrainFade& fade) {
+Raster extend_terrain(const Raster& raster, const Bounds2& box, const TerrainFade& fade,
+                      const Raster* wider) {
   const auto steps_before = [&](double from, double to) {
     return std::max(0.0, std::ceil((to - from) / raster.step));
   };
@@ -69,13 +70,18 @@ Raster extend_terrain(const Raster& raster, const Bounds2& box, const TerrainFad
     for (std::size_t row = begin; row < end; ++row) {
       const auto j = static_cast<std::int32_t>(row);
       for (std::int32_t i = 0; i < result.nx; ++i) {
-        const double height = raster.at(std::clamp(i - first_i, 0, raster.nx - 1),
-                                        std::clamp(j - first_j, 0, raster.ny - 1));
+        const std::int32_t near_i = std::clamp(i - first_i, 0, raster.nx - 1);
+        const std::int32_t near_j = std::clamp(j - first_j, 0, raster.ny - 1);
+        const bool is_new = near_i != i - first_i || near_j != j - first_j;
         const Point2 p{raster.x0 + (i - first_i) * raster.step,
                        raster.y0 + (j - first_j) * raster.step};
+        const double height =
+            is_new && wider != nullptr ? sample(*wider, p) : raster.at(near_i, near_j);
         const Point2 in_frame{p.x * fade.along.x + p.y * fade.along.y,
                               p.y * fade.along.x - p.x * fade.along.y};
-        const double share = smoothstep(distance_to_box(fade.core, in_frame) / fade.width);
+        double distance = distance_to_box(fade.core, in_frame);
+        if (wider != nullptr) distance = std::min(distance, distance_to_box(wider->bounds(), p));
+        const double share = smoothstep(distance / fade.width);
         result.values[row_major(i, j, result.nx)] =
             share > 0 ? height + share * (fade.height - height) : height;
       }

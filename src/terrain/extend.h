@@ -17,8 +17,10 @@ struct TerrainFade {
 double rim_height(const Raster& raster);
 
 /// A raster of the same nodes and as many more as cover `box`. Beyond the nodes that were, heights
-/// are those of the nearest place on their rim; all fade. Nodes in the core keep their bits.
+/// are those of `wider`, without it those of the nearest place on their rim; all fade but for what
+/// `wider` covers. Nodes in the core and there keep their bits.
 /// Throws Error(kUsage) if there would be more than 400 million nodes.
-Raster extend_terrain(const Raster& raster, const Bounds2& box, const TerrainFade& fade);
+Raster extend_terrain(const Raster& raster, const Bounds2& box, const TerrainFade& fade,
+                      const Raster* wider = nullptr);
 
 }  // namespace tetropolis

@@ -133,6 +133,20 @@ TEST(RaiseRoofs, PartsFollowEditsOfTheHeight) {
   city.buildings[2].h_roof = before.buildings[2].h_roof - 0.5;
   follow_roof_heights(city, heights);
   EXPECT_NEAR(risen(2, 0), -0.5, 1e-9);
+  // Lowered to a third, no part goes below the least height that building parts have.
+  CityModel low = before;
+  heights = roof_heights(low);
+  for (Building& building : low.buildings)
+    building.h_roof = building.h_ground + (building.h_roof - building.h_ground) / 3;
+  follow_roof_heights(low, heights);
+  for (std::size_t b = 0; b < low.buildings.size(); ++b) {
+    const Building& building = low.buildings[b];
+    for (std::size_t k = 0; k < building.parts.size(); ++k) {
+      const double least = std::min(
+          {building.h_ground + 2.5, building.h_roof, range_of(before.buildings[b].parts[k]).low});
+      EXPECT_GE(range_of(building.parts[k]).low, least - 1e-3);
+    }
+  }
   raise_roof(city.buildings[0], 0.25);
   EXPECT_NEAR(risen(0, 0), 0.25, 1e-9);
   EXPECT_NEAR(city.buildings[0].h_roof, before.buildings[0].h_roof + 0.25, 1e-12);

@@ -282,6 +282,36 @@ TEST(WindDomain, CylinderIsWidenedForEveryWind) {
   EXPECT_NEAR(facts.blockage, 0.03, 1e-9);
 }
 
+TEST(WindDomain, TerrainThatIsKnownStays) {
+  // Of a raster that ends 100 m east of the data.
+  Raster known{276, 601, -300, -240, 2, {}};
+  for (std::int32_t j = 0; j < known.ny; ++j)
+    for (std::int32_t i = 0; i < known.nx; ++i)
+      known.values.push_back(terrain_at({known.x0 + 2.0 * i, known.y0 + 2.0 * j}));
+  for (const bool is_known : {true, false}) {
+    Model model = small_model();
+    std::vector<Warning> warnings;
+    fit_wind_domain({DomainShape::kBox, 270, 36}, 1, model.city, model.terrain, warnings,
+                    is_known ? &known : nullptr);
+    const Raster& terrain = model.terrain;
+    double most = 0, steepest = 0, far = 0;
+    for (std::int32_t j = 0; j < terrain.ny; ++j)
+      for (std::int32_t i = 0; i < terrain.nx; ++i) {
+        const Point2 p{terrain.x0 + i * terrain.step, terrain.y0 + j * terrain.step};
+        const double off = std::abs(terrain.at(i, j) - terrain_at(p));
+        if (known.bounds().contains(p)) most = std::max(most, off);
+        if (!known.bounds().contains(p)) far = std::max(far, p.x);
+        if (i > 0) steepest = std::max(steepest, std::abs(terrain.at(i, j) - terrain.at(i - 1, j)));
+      }
+    EXPECT_GT(far, known.bounds().xmax + 50);
+    EXPECT_LT(steepest, 0.5);  // no step where it ends
+    if (is_known)
+      EXPECT_LT(most, 0.01);
+    else
+      EXPECT_GT(most, 1);
+  }
+}
+
 TEST(WindDomain, PolygonKeepsTheBuildingsInIt) {
   Model model = small_model();
   WindDomainOptions options{DomainShape::kPolygon};

@@ -1303,7 +1303,7 @@ TEST_F(Cli, WordsStandForInputAndOutput) {
   EXPECT_EQ(run("synth other --quiet --buildings 2 --size 60").code, 0);
   expect_error("city input/footprints.shp input", 2, "missing: --out (");
   // A word that is nowhere, or has results already, is their folder.
-  EXPECT_EQ(run("city --quiet input/footprints.shp level").code, 0);               // without points
+  EXPECT_EQ(run("city --quiet input/footprints.shp level").code, 0);  // without points
   EXPECT_EQ(run("city --quiet input/footprints.shp level").code, 0);
   fs::create_directory(scratch / "empty");
   EXPECT_EQ(run("city --quiet input/footprints.shp empty").code, 0);

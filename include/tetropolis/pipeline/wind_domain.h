@@ -68,12 +68,14 @@ double guideline_top(const CityModel& city);
 ///
 /// In the box of the buildings (along the wind) terrain stays as it is. Beyond, it fades to the
 /// mean height of the rim of `terrain` by a smoothstep over 5 H, so that inlet, sides and outlet
-/// are level. `terrain` gets as many nodes as cover the domain.
+/// are level. `terrain` gets as many nodes as cover the domain. Where `wider` is known terrain,
+/// that is kept instead. "terrain_levelled" if known terrain moves by more than 2 m.
 ///
 /// Precondition: `terrain` covers `city.domain`. Buildings outside of a polygon, or closer than
 /// `min_distance` to its sides, move to `city.dropped`. Sets city.domain and city.domain_top.
 /// Throws Error(kInput): no building (but for a polygon), a polygon that is not simple.
 WindDomainFacts fit_wind_domain(const WindDomainOptions& options, double min_distance,
-                                CityModel& city, Raster& terrain, std::vector<Warning>& warnings);
+                                CityModel& city, Raster& terrain, std::vector<Warning>& warnings,
+                                const Raster* wider = nullptr);
 
 }  // namespace tetropolis

@@ -91,8 +91,7 @@ Attempt attempt(const Building& building, const RoofInput& input, const RoofFind
   result.building = building;
   result.building.footprint = result.roof.footprint;
   for (FinishedPart& finished : result.roof.parts) {
-    const Building& footprint =
-        raw.buildings[members[static_cast<std::size_t>(finished.member)]];
+    const Building& footprint = raw.buildings[members[static_cast<std::size_t>(finished.member)]];
     finished.part.source_id = footprint.source_ids.front();
     state_height(footprint, lowest, finished);
     result.building.parts.push_back(finished.part);
@@ -152,8 +151,8 @@ RoofFacts make_roofs(CityModel& city, const CityModel& raw, const BuildingPoints
   parallel_chunks(city.buildings.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b) {
       Building& building = city.buildings[b];
-      facts[b] = make_roof(building, input_of(building, raw, points, members[b], cloud, stated), raw,
-                           members[b], options);
+      facts[b] = make_roof(building, input_of(building, raw, points, members[b], cloud, stated),
+                           raw, members[b], options);
       shared.add(1);
     }
   });

@@ -66,8 +66,8 @@ struct Footprint {
                           ///< oriented; the repeated last vertex is gone, outer has >= 3 vertices.
   double height = std::numeric_limits<double>::quiet_NaN();  ///< Above ground, metres; NaN if the
                                                              ///< feature states none.
-  std::int64_t feature = -1;  ///< Row of FootprintsInput::attributes; -1 if there is none.
-  bool from_floors = false;   ///< The height is a number of floors times floor_height.
+  std::int64_t feature = -1;           ///< Row of FootprintsInput::attributes; -1 if there is none.
+  bool from_floors = false;            ///< The height is a number of floors times floor_height.
   std::vector<StatedRoof> roofs = {};  ///< Of a city model; none: flat at `height`.
 };
 
