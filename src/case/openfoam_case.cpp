@@ -130,7 +130,8 @@ void add_shared_files(const FoamMesh& mesh, const OpenfoamCaseOptions& options,
 
 std::string allrun(const OpenfoamCaseOptions& options, const char* look) {
   return replaced(foam_texts::kAllrun,
-                  {{"@SOLVER@", options.dialect == FoamDialect::kOrg ? "foamRun" : "simpleFoam"},
+                  {{"@ARGUMENTS@", foam_texts::kArguments},
+                   {"@SOLVER@", options.dialect == FoamDialect::kOrg ? "foamRun" : "simpleFoam"},
                    {"@LOOK@", look}});
 }
 
@@ -287,7 +288,9 @@ std::vector<OpenfoamCase> write_openfoam_cases(const fs::path& folder,
       "rose.py",
       known(replaced(foam_texts::kRosePy,
                      {{"@WINDS@", names}, {"@SPEED@", fmt::format("{}", options.wind.speed)}})));
-  files.emplace_back("Allrun", known(replaced(foam_texts::kAllrunWinds, {{"@WINDS@", names}})));
+  files.emplace_back(
+      "Allrun", known(replaced(foam_texts::kAllrunWinds,
+                               {{"@ARGUMENTS@", foam_texts::kArguments}, {"@WINDS@", names}})));
   if (!options.overwrite) require_new(folder, files);
   remove_scripts(folder, files);
   for (const std::string& name : seen)

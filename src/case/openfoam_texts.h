@@ -81,15 +81,22 @@ relaxationFactors
 }
 )TEXT";
 
+/// What every Allrun does first: a mistyped word must not cost what is solved.
+inline constexpr const char* kArguments = R"TEXT(continue=
+if [ "${1:-}" = continue ]; then continue=yes && shift; fi
+case "$*" in 0* | *[!0-9]*)
+  echo "usage: $0 [continue] [PROCESSES]" >&2
+  exit 2 ;;
+esac
+processes=${1:-1})TEXT";
+
 inline constexpr const char* kAllrun = R"TEXT(#!/bin/sh
 # Solves the case:   ./Allrun      by one process
 #                    ./Allrun 8    by eight, with mpirun
 #                    ./Allrun continue, ./Allrun continue 8    from what a run that was cut has written
 # What programs say is in log.NAME; wind.py prints the figures and draws pedestrian.png.
+@ARGUMENTS@
 cd "${0%/*}" || exit 1
-continue=
-if [ "${1:-}" = continue ]; then continue=yes && shift; fi
-processes=${1:-1}
 # Debian's OpenFOAM does not know where it is.
 if [ -z "$WM_PROJECT_DIR" ] && [ -d /usr/share/openfoam/etc ]; then
   export WM_PROJECT_DIR=/usr/share/openfoam

@@ -7,11 +7,12 @@ inline constexpr const char* kAllrunWinds = R"TEXT(#!/bin/sh
 # Solves the cases of all winds, one after the other:   ./Allrun, or ./Allrun 8 by eight processes each
 # What was cut goes on with ./Allrun continue (8).
 # Then rose.py puts the wind of all where people are into one table.
+@ARGUMENTS@
 cd "${0%/*}" || exit 1
 failed=
 for wind in @WINDS@; do
   echo "== $wind"
-  "./$wind/Allrun" "$@" || failed="$failed $wind"
+  "./$wind/Allrun" ${continue:+continue} "$processes" || failed="$failed $wind"
 done
 if command -v python3 >/dev/null; then python3 rose.py; fi
 if [ -n "$failed" ]; then

@@ -246,6 +246,13 @@ def check_rose(program, folder):
     for wind in winds:
         assert (moved / wind / "constant/polyMesh/points").samefile(moved / "constant/polyMesh/points")
 
+    # A mistyped word costs nothing that is solved.
+    (moved / "w030/7").mkdir()
+    for script in moved / "Allrun", moved / "w030/Allrun":
+        for wrong in ["--help"], ["contineu"], ["0"], ["8", "continue"], ["continue", "1.5"]:
+            done = subprocess.run([script, *wrong], capture_output=True, text=True)
+            assert done.returncode == 2 and done.stderr.startswith("usage: ") and done.stderr.count("\n") == 1, (wrong, done)
+            assert (moved / "w030/7").exists(), wrong
     if shutil.which("simpleFoam"):
         said = run(moved / "Allrun", env={**os.environ, "FOAM_SIGFPE": "true"})
         assert said.count("fastest cell") == 3 and "for 3 winds" in said, said
