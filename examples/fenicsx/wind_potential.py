@@ -1,4 +1,4 @@
-"""Wind around buildings as a potential flow with DOLFINx: python3 wind_potential.py CITY OUT.xdmf
+"""Wind around buildings as a potential flow with DOLFINx: python3 wind_potential.py CITY OUT.xdmf, or mpirun -n 8 ...
 
 CITY is the folder of `tetropolis build --formats xdmf`. The flow enters through xmin and leaves through xmax at one
 metre per second; ground, roofs, walls, top and the other sides are tight.
@@ -43,12 +43,15 @@ velocity.interpolate(fem.Expression(ufl.grad(phi), points() if callable(points) 
 
 def flow(patch):
     normal = ufl.FacetNormal(mesh)
-    return fem.assemble_scalar(fem.form(ufl.inner(ufl.grad(phi), normal) * ds(patch)))
+    here = fem.assemble_scalar(fem.form(ufl.inner(ufl.grad(phi), normal) * ds(patch)))
+    return mesh.comm.allreduce(here, MPI.SUM)  # of all processes
 
 
 speed = np.linalg.norm(velocity.x.array.reshape(-1, 3), axis=1)
-print(f"{mesh.topology.index_map(3).size_local} cells; through xmin {flow(XMIN):.0f} m3/s, through xmax {flow(XMAX):.0f}; "
-      f"fastest {speed.max():.1f} m/s")
+entering, leaving, fastest = flow(XMIN), flow(XMAX), mesh.comm.allreduce(speed.max(), MPI.MAX)
+if mesh.comm.rank == 0:
+    print(f"{mesh.topology.index_map(3).size_global} cells; through xmin {entering:.0f} m3/s, through xmax {leaving:.0f}; "
+          f"fastest {fastest:.1f} m/s")
 with io.XDMFFile(mesh.comm, sys.argv[2], "w") as file:
     file.write_mesh(mesh)
     file.write_function(velocity)

@@ -98,7 +98,7 @@ velocity = ufl.grad(phi)
 facets = np.concatenate([patches.find(number) for number, name in NAMES.items() if name in OPEN])
 ground = fem.locate_dofs_topological(space, 2, facets)
 points = space.tabulate_dof_coordinates()
-low, high = mesh.comm.allreduce(points.min(0), MPI.MIN), mesh.comm.allreduce(points.max(0), MPI.MAX)
+low, high = np.min(mesh.comm.allgather(points.min(0)), 0), np.max(mesh.comm.allgather(points.max(0)), 0)
 candidates = np.concatenate(mesh.comm.allgather(points[ground]))
 foot = candidates[np.argmin(np.linalg.norm((candidates - (low + high) / 2)[:, :2], axis=1))]
 mouth = [float(c) for c in foot + (0, 0, 2 * RADIUS)]
