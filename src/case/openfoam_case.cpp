@@ -100,7 +100,10 @@ void add_files_of(const FoamMesh& mesh, const OpenfoamCaseOptions& options,
       known(turbulence_dict("turbulenceProperties", is_org, !marks.empty())));
   add("system/controlDict", known(control_dict(options, points)));
   add("system/fvSchemes", known(foam_head("dictionary", "fvSchemes") + foam_texts::kFvSchemes));
-  add("system/fvSolution", known(foam_head("dictionary", "fvSolution") + foam_texts::kFvSolution));
+  // Sources in leaves meet the full wind of the first iterations: with 0.8, k and epsilon explode.
+  add("system/fvSolution",
+      known(foam_head("dictionary", "fvSolution") +
+            replaced(foam_texts::kFvSolution, {{"@TURBULENCE@", marks.empty() ? "0.8" : "0.5"}})));
   if (!mesh.canopies.empty())
     add(kFvOptions,
         known(leaf_drag(options, mesh, "fvOptions") + leaf_sources(options, mesh, marks)));

@@ -76,7 +76,7 @@ relaxationFactors
     equations
     {
         U            0.9;
-        "(k|epsilon)" 0.8;
+        "(k|epsilon)" @TURBULENCE@;
     }
 }
 )TEXT";
