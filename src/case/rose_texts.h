@@ -32,7 +32,7 @@ FILE (frequencies.csv beside this program, if it is there) is a table with a hea
     direction,frequency,speed[,shape]
 with how often the wind comes from there (any unit), its mean speed at the height of the cases' wind [m/s], and the
 shape of its Weibull distribution (2 if it is not given, Rayleigh's). A row belongs to the nearest of the directions, to
-both where it lies halfway.
+both where it lies halfway. A row of speed 0 is calm: time without wind, of any direction.
 With it: the mean speed, and the shares of time above the threshold (5 m/s: comfort in NEN 8100) and 15 m/s (danger).
 """
 import argparse
@@ -52,19 +52,29 @@ DANGER = [("none", 0.0005), ("limited", 0.003), ("dangerous", math.inf)]
 def read_frequencies(path):
     """[(direction of a case, share of time, mean speed, shape)]"""
     rows = []
-    with open(path, newline="") as file:
-        for number, row in enumerate(csv.DictReader(file), 2):
+    try:
+        file = open(path, newline="", encoding="utf-8-sig", errors="replace")  # Excel begins with a mark
+    except OSError as error:
+        raise SystemExit(f"{path}: {error.strerror}") from None
+    with file:
+        table = csv.DictReader(file, skipinitialspace=True)
+        heading = table.fieldnames or []
+        if not {"direction", "frequency", "speed"} <= set(heading):
+            raise SystemExit(f"{path}: its first line is not direction,frequency,speed[,shape] but: {','.join(heading)}")
+        for number, row in enumerate(table, 2):
             try:
                 rows.append((float(row["direction"]), float(row["frequency"]), float(row["speed"]),
                              float(row.get("shape") or 2)))
-                good = rows[-1][1] >= 0 and rows[-1][2] >= 0 and rows[-1][3] > 0
-            except (KeyError, TypeError, ValueError):
+                good = all(map(math.isfinite, rows[-1])) and rows[-1][1] >= 0 and rows[-1][2] >= 0 and rows[-1][3] > 0
+            except (TypeError, ValueError):
                 good = False
             if not good:
-                raise SystemExit(f"{path}: line {number} is not direction,frequency,speed in numbers above 0")
+                raise SystemExit(f"{path}: line {number} is not direction,frequency,speed in numbers of 0 and more")
+    # Calm counts as time, whatever its direction.
     total = math.fsum(row[1] for row in rows)
-    if not total > 0:
-        raise SystemExit(f"{path}: its frequencies sum to 0")
+    rows = [row for row in rows if row[2] > 0]
+    if not math.fsum(row[1] for row in rows) > 0:
+        raise SystemExit(f"{path}: its frequencies of wind sum to 0")
     matched, farthest = [], 0
     for direction, frequency, speed, shape in rows:
         off = {wind: abs((float(wind[1:]) - direction + 180) % 360 - 180) for wind in WINDS}

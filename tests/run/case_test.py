@@ -287,6 +287,18 @@ def check_rose(program, folder):
     run(sys.executable, moved / "rose.py")
     (row,) = list(csv.DictReader((moved / "rose.csv").read_text().splitlines()))
     assert float(row["mean_speed"]) == 4 * (0.75 + 1) / 2, row
+    # Calm is time, too; Excel's files begin with a mark.
+    (moved / "frequencies.csv").write_text("direction,frequency,speed\n288.75,3,4\n10,1,0\n", encoding="utf-8-sig")
+    run(sys.executable, moved / "rose.py")
+    (row,) = list(csv.DictReader((moved / "rose.csv").read_text().splitlines()))
+    assert float(row["mean_speed"]) == 0.75 * 4 * (0.75 + 1) / 2, row
+    for text, says in (("sector;share;speed\n", "but: sector;share;speed"), ("", "but:"), (
+            "direction,frequency,speed\n30,1\n", "line 2"), ("direction,frequency,speed\n30,1,0\n", "sum to 0"), (None, "No such file")):
+        if text is not None:
+            (moved / "wrong.csv").write_text(text)
+        done = subprocess.run([sys.executable, moved / "rose.py", "--frequencies", moved / ("none" if text is None else "wrong.csv")],
+                              capture_output=True, text=True)
+        assert done.returncode != 0 and says in done.stderr and done.stderr.count("\n") == 1, (text, done)
     (moved / "frequencies.csv").unlink()
     (moved / "w337.5/postProcessing/pedestrian/2/grid_U.xy").unlink()
     said = run(sys.executable, moved / "rose.py")
