@@ -38,10 +38,14 @@ void for_each_node(const std::array<Point3, 3>& corners, double spacing, const V
     }
 }
 
+bool has_people(const FoamPatch& patch) {
+  return patch.is_wall && !patch.of_building() && !patch.name.starts_with("water");
+}
+
 template <typename Visit>
 void for_each_ground_node(const FoamMesh& mesh, double spacing, const Visit& visit) {
   for (const FoamPatch& patch : mesh.patches) {
-    if (!patch.is_wall || patch.of_building()) continue;
+    if (!has_people(patch)) continue;
     for (std::size_t f = patch.begin; f < patch.end; ++f) {
       const auto corners = mesh.face(f);
       for (std::size_t k = 2; k < corners.size(); ++k)
@@ -58,7 +62,7 @@ SamplePoints sample_points(const FoamMesh& mesh, const Bounds2& town, double hei
   const auto is_inside = [&](Point2 p) { return town.empty() || town.contains(p); };
   double area = 0;  // of faces around points in the town
   for (const FoamPatch& patch : mesh.patches)
-    if (patch.is_wall && !patch.of_building())
+    if (has_people(patch))
       for (std::size_t f = patch.begin; f < patch.end; ++f) {
         const FaceGeometry face = face_geometry(mesh, f);
         if (is_inside({face.centre[0], face.centre[1]})) area += std::abs(face.area[2]);

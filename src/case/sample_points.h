@@ -12,8 +12,8 @@ struct SamplePoints {
   std::vector<Point3> points;
 };
 
-/// The nodes (x, y) = (i + 1/2, j + 1/2) * spacing over faces on the ground (of the patches for
-/// which walls are no buildings), `height` above them, in `town`, or everywhere if that is
+/// The nodes (x, y) = (i + 1/2, j + 1/2) * spacing over faces on the ground (walls that are of
+/// no building, and not water), `height` above them, in `town`, or everywhere if that is
 /// empty; row by row from the south. The spacing is doubled until they are 400,000 at most.
 SamplePoints sample_points(const FoamMesh& mesh, const Bounds2& town, double height,
                            double spacing);

@@ -432,6 +432,15 @@ def check_surfaces(program, folder):
     ground = [p[2] for face in patches["ground"] for p in face]
     assert max(ground) - min(ground) > 0.2
     run(program, "case", "openfoam", case, *CASE, "--patch-roughness", "road=0.02")
+    # People do not stand on water.
+    people = [(float(x), float(y)) for x, y in re.findall(
+        r"^\((\S+) (\S+) \S+\)$", (case / "system/pedestrian").read_text(), re.M)]
+
+    def people_on(name):
+        return sum(all((b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]) < -1e-9
+                       for a, b in zip(face, face[1:] + face[:1])) for face in patches[name] for x, y in people[::5])
+
+    assert people_on("water") == 0 < people_on("road"), (people_on("water"), people_on("road"))
     check_ground(case, {"water": 0.0002, "road": 0.02, "vegetation": 0.1, "ground": 0.03})
     run(program, "case", "openfoam", case, *CASE, "--ground-roughness", 0, "--overwrite")
     check_ground(case, {"road": 0.005, "ground": ROUGHNESS})
