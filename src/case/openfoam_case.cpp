@@ -43,6 +43,16 @@ std::vector<LeafMarks> marks_of(const OpenfoamCaseOptions& options, const FoamMe
   return mark_leaves(mesh);
 }
 
+/// Of k and epsilon. Where leaves are their sources, these meet the full wind of the first
+/// iterations: with 0.8 k explodes in leaves of 1 m2/m3 and Cd 0.2, with 0.5 in those of 2.
+std::string turbulence_relaxation(const OpenfoamCaseOptions& options,
+                                  const std::vector<LeafMarks>& marks) {
+  double relaxation = marks.empty() ? 0.8 : 0.5;
+  for (const LeafMarks& leaves : marks)
+    relaxation = std::min(relaxation, 0.1 / (options.leaf_drag * leaves.leaf_area_density));
+  return fmt::format("{:.3g}", relaxation);
+}
+
 constexpr const char* kSurfaces = "constant/triSurface/";
 constexpr const char* kFvOptions = "constant/fvOptions";
 constexpr const char* kFvModels = "constant/fvModels";
@@ -100,10 +110,10 @@ void add_files_of(const FoamMesh& mesh, const OpenfoamCaseOptions& options,
       known(turbulence_dict("turbulenceProperties", is_org, !marks.empty())));
   add("system/controlDict", known(control_dict(options, points)));
   add("system/fvSchemes", known(foam_head("dictionary", "fvSchemes") + foam_texts::kFvSchemes));
-  // Sources in leaves meet the full wind of the first iterations: with 0.8, k and epsilon explode.
   add("system/fvSolution",
       known(foam_head("dictionary", "fvSolution") +
-            replaced(foam_texts::kFvSolution, {{"@TURBULENCE@", marks.empty() ? "0.8" : "0.5"}})));
+            replaced(foam_texts::kFvSolution,
+                     {{"@TURBULENCE@", turbulence_relaxation(options, marks)}})));
   if (!mesh.canopies.empty())
     add(kFvOptions,
         known(leaf_drag(options, mesh, "fvOptions") + leaf_sources(options, mesh, marks)));
