@@ -93,13 +93,14 @@ def above(threshold, mean, shape):
     return math.exp(-(threshold * math.gamma(1 + 1 / shape) / mean) ** shape)
 
 
+def class_of(value, classes):
+    return next(i for i, (_, most) in enumerate(classes) if value <= most)
+
+
 def classed(values, classes):
     """How much of the ground is in each."""
-    shares, least = [], -1
-    for name, most in classes:
-        shares.append(f"{name} {100 * sum(least < value <= most for value in values) / len(values):.1f} %")
-        least = most
-    return ", ".join(shares)
+    found = [class_of(value, classes) for value in values]
+    return ", ".join(f"{name} {100 * found.count(i) / len(found):.1f} %" for i, (name, _) in enumerate(classes))
 
 
 def says(case, words):
@@ -130,7 +131,7 @@ def main():
     places = sorted(set.intersection(*(set(points) for points in found.values() if points)), key=lambda p: (p[1], p[0]))
     ratios = {p: [found[wind][p][1] / REFERENCE for wind in solved] for p in places}
 
-    columns = {}
+    columns, comfort = {}, {}
     rows = read_frequencies(frequencies) if frequencies else []
     lacking = sorted({wind for wind, *_ in rows} - set(solved))
     if lacking:
@@ -144,6 +145,8 @@ def main():
             columns[f"above_{limit:g}"] = {
                 p: math.fsum(share * above(limit, r[i] * speed, shape) for i, share, speed, shape in rows)
                 for p, r in ratios.items()}
+        if arguments.threshold == 5:
+            comfort = {p: class_of(share, COMFORT) for p, share in columns["above_5"].items()}
     else:
         columns["mean"] = {p: math.fsum(r) / len(r) for p, r in ratios.items()}
         columns["highest"] = {p: max(r) for p, r in ratios.items()}
@@ -151,10 +154,11 @@ def main():
 
     with open(folder / "rose.csv", "w", newline="") as file:
         table = csv.writer(file)
-        table.writerow(["x", "y", "z", *solved, *columns])
+        table.writerow(["x", "y", "z", *solved, *columns, *(["comfort"] if comfort else [])])
         for p in places:
             table.writerow([f"{ORIGIN[0] + p[0]:.10g}", f"{ORIGIN[1] + p[1]:.10g}", f"{found[solved[0]][p][0]:.8g}",
-                            *(f"{r:.4f}" for r in ratios[p]), *(f"{column[p]:.5g}" for column in columns.values())])
+                            *(f"{r:.4f}" for r in ratios[p]), *(f"{column[p]:.5g}" for column in columns.values()),
+                            *([COMFORT[comfort[p]][0]] if comfort else [])])
     print(f"table         {folder / 'rose.csv'}: {len(places)} points, speed over {REFERENCE:g} m/s for {len(solved)} winds")
 
     def show(name, values, most, what):
@@ -169,7 +173,8 @@ def main():
         mean = math.fsum(speed.values()) / len(speed)
         print(f"pedestrians   mean speed {mean:.2f} m/s; "
               f"{100 * math.fsum(windy.values()) / len(windy):.2f} % of the time above {arguments.threshold:g} m/s")
-        if arguments.threshold == 5:
+        if comfort:
+            show("comfort", comfort, len(COMFORT) - 1, "comfort by NEN 8100, A (dark blue) to E (dark red)")
             print(f"NEN 8100      comfort: {classed(windy.values(), COMFORT)} of the ground")
         print(f"NEN 8100      danger: {classed(dangerous.values(), DANGER)}")
     else:

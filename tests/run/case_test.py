@@ -310,7 +310,7 @@ def check_rose(program, folder):
     said = run(sys.executable, moved / "rose.py")
     assert "10 degrees" in said and "NEN 8100" in said, said
     table = [row.split(",") for row in (moved / "rose.csv").read_text().splitlines()]
-    assert table[0][3:] == ["w030", "w240", "mean_speed", "above_5", "above_15"], table
+    assert table[0][3:] == ["w030", "w240", "mean_speed", "above_5", "above_15", "comfort"], table
     for row, (first, second) in zip(table[1:], ((0.5, 0.75), (1, 0.25))):
         times = [(0.3, 4 * first, 2), (0.6, 8 * second, 2.5), (0.1, 5 * second, 2)]
         mean = sum(share * speed for share, speed, _ in times)
@@ -318,7 +318,8 @@ def check_rose(program, folder):
         for found, limit in (row[6], 5), (row[7], 15):
             windy = sum(share * math.exp(-(limit / (speed / math.gamma(1 + 1 / shape)))**shape) for share, speed, shape in times)
             assert math.isclose(float(found), windy, rel_tol=1e-4), row
-    assert (moved / "above.png").exists()
+        assert row[8] == "ABCDE"[sum(float(row[6]) > most for most in (0.025, 0.05, 0.1, 0.2))], row
+    assert (moved / "above.png").exists() and (moved / "comfort.png").exists()
     # A case that replaces another is not solved yet.
     (moved / "w030/3000").mkdir()
     run(program, "case", "openfoam", moved, *several[:1], 7, *several[2:], "--overwrite")
