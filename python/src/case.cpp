@@ -46,6 +46,8 @@ nb::dict dict_of(const OpenfoamCase& made) {
   result["ground_faces"] = made.ground_faces;
   result["first_cell"] = made.first_cell;
   result["layers_top"] = made.layers_top;
+  result["open_layers_top"] = made.open_layers_top;
+  result["open_width"] = made.open_width;
   result["samples"] = made.samples;
   result["sample_spacing"] = made.sample_spacing;
   return result;

@@ -58,7 +58,8 @@ def case_openfoam(folder: str | os.PathLike[str], *, wind_speed: float = 5,
     -------
     dict
         'sides', what the wind does at each; 'canopies', how many zones of 'canopy_cells' slow the wind; 'first_cell', the median
-        height of cells on the 'ground_faces', and 'layers_top', of where layers end above them; 'samples' and 'sample_spacing'. A list of them for several winds.
+        height of cells on the 'ground_faces', and 'layers_top', of where layers end above them; 'open_layers_top' and
+        'open_width', the same and the width of cells on the open land; 'samples' and 'sample_spacing'. A list of them for several winds.
 
     Raises
     ------

@@ -123,9 +123,13 @@ std::string rough_lengths(const RoughWall& wall) {
 }  // namespace
 
 Places::Places(const FoamMesh& mesh)
-    : floors(floors_below(mesh.points)),
-      cells(heights_of_cells(mesh, floors)),
-      layers_top(top_of_prisms(mesh, floors)) {
+    : floors(floors_below(mesh.points)), cells(heights_of_cells(mesh, floors)) {
+  const std::vector<double> tops = tops_of_prisms(mesh, floors);
+  std::vector<double> columns;
+  for (std::size_t i = 0; i < tops.size(); ++i)
+    if (tops[i] > 0 && mesh.points[i][2] == floors[i]) columns.push_back(tops[i]);
+  if (!columns.empty()) layers_top = median(columns);
+  open = open_land(mesh, tops);
   for (const FoamPatch& patch : mesh.patches) {
     std::vector<std::size_t> faces;
     if (patch.is_wall && !patch.of_building())

@@ -23,7 +23,8 @@ struct Places {
   std::vector<double> cells;                    ///< heights_of_cells.
   std::vector<std::vector<WallCell>> on_walls;  ///< Per patch of the mesh, cells_on its faces;
                                                 ///< empty where it is not of the ground.
-  double layers_top = 0;                        ///< top_of_prisms.
+  double layers_top = 0;                        ///< Where layers of prisms end, the median; or 0.
+  OpenLand open;                                ///< open_land.
 };
 
 /// Rough ground for wall functions. The wind is in balance over it if they take y + z0 for the

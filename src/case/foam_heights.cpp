@@ -72,7 +72,7 @@ std::vector<double> heights_of_cells(const FoamMesh& mesh, const std::vector<dou
   return sum;
 }
 
-double top_of_prisms(const FoamMesh& mesh, const std::vector<double>& floors) {
+std::vector<double> tops_of_prisms(const FoamMesh& mesh, const std::vector<double>& floors) {
   std::vector<std::uint8_t> sides(mesh.cells(), 0);
   for (const auto* cells : {&mesh.owner, &mesh.neighbour})
     for (const std::int32_t cell : *cells) ++sides[static_cast<std::size_t>(cell)];
@@ -89,9 +89,32 @@ double top_of_prisms(const FoamMesh& mesh, const std::vector<double>& floors) {
       top = std::max(top, at[2] - floors[static_cast<std::size_t>(p)]);
     }
   }
+  std::vector<double> found(mesh.points.size(), 0);
+  for (std::size_t i = 0; i < found.size(); ++i)
+    if (const auto top = tops.find({mesh.points[i][0], mesh.points[i][1]}); top != tops.end())
+      found[i] = top->second;
+  return found;
+}
+
+OpenLand open_land(const FoamMesh& mesh, const std::vector<double>& tops) {
+  const bool has_open_land =
+      std::any_of(mesh.patches.begin(), mesh.patches.end(),
+                  [](const FoamPatch& patch) { return patch.name == kOpenLand; });
+  double area = 0, squares = 0;
   std::vector<double> heights;
-  for (const auto& [place, top] : tops) heights.push_back(top);
-  return heights.empty() ? 0 : median(heights);
+  for (const FoamPatch& patch : mesh.patches) {
+    if (!patch.is_wall || patch.of_building()) continue;
+    if (has_open_land && patch.name != kOpenLand) continue;
+    for (std::size_t f = patch.begin; f < patch.end; ++f) {
+      const double one = std::abs(face_geometry(mesh, f).area[2]);
+      area += one;
+      squares += one * one;
+      for (const std::int32_t p : mesh.face(f))
+        heights.push_back(tops[static_cast<std::size_t>(p)]);
+    }
+  }
+  if (!(area > 0)) return {};
+  return {std::sqrt(2 * squares / area), median(heights)};
 }
 
 std::vector<WallCell> cells_on(const FoamMesh& mesh, std::span<const std::size_t> faces) {

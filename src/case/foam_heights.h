@@ -28,9 +28,17 @@ struct WallCell {
   double centre = 0;  ///< Of the mean of its corners (each as often as faces have it).
 };
 
-/// Height [m] above the floors (per point of the mesh) at which layers of prisms end, the median of
-/// their columns; 0 without prisms.
-double top_of_prisms(const FoamMesh& mesh, const std::vector<double>& floors);
+/// Per point [m], how high above its floor (per point of the mesh) layers of prisms over the same
+/// place end; 0 without prisms.
+std::vector<double> tops_of_prisms(const FoamMesh& mesh, const std::vector<double>& floors);
+
+/// The open land, or all ground where none is open.
+struct OpenLand {
+  double width = 0;       ///< Of its faces [m]: the root of twice their mean area, weighed by area.
+  double layers_top = 0;  ///< The median of tops_of_prisms at their corners [m].
+};
+
+OpenLand open_land(const FoamMesh& mesh, const std::vector<double>& tops);
 
 /// Those over boundary faces, in their order.
 std::vector<WallCell> cells_on(const FoamMesh& mesh, std::span<const std::size_t> faces);

@@ -220,6 +220,8 @@ OpenfoamCase facts_of(const FoamMesh& mesh, const Places& places, const FoamFiel
     for (const WallCell& cell : cells) first.push_back(cell.height);
   result.ground_faces = std::ssize(first);
   result.layers_top = places.layers_top;
+  result.open_width = places.open.width;
+  result.open_layers_top = places.open.layers_top;
   if (!first.empty()) result.first_cell = median(first);
   result.canopies = std::ssize(mesh.canopies);
   for (const FoamCanopy& canopy : mesh.canopies) result.canopy_cells += std::ssize(canopy.cells);

@@ -593,11 +593,18 @@ def check_empty(program, folder):
     if not shutil.which("simpleFoam"):
         return SKIPPED
     script = pathlib.Path(__file__).parents[2] / "bench/wind_tunnel/empty_ground.py"
+    ground = ["--length", 400, "--width", 80]
     for roughness in 0.03, 0.5, 2:
         said = run(sys.executable, script, program, folder / str(roughness), "--roughness", roughness, "--cells", "prisms",
-                   "--size", 20, "--length", 400, "--width", 80)
-        ratios = [float(ratio) for ratio in re.findall(r" m  (\S+), scatter", said)]
-        assert len(ratios) == 6 and all(abs(ratio - 1) < 0.03 for ratio in ratios), said
+                   "--size", 20, *ground)
+        found = re.findall(r" m  (\S+), scatter .* k (\S+);", said)
+        assert len(found) == 6 and all(abs(float(u) - 1) < 0.03 and abs(float(k) - 1) < 0.05 for u, k in found), said
+        assert "layers end" not in said, said
+    # Tets of 40 m: turbulence grows over layers that end low, and `case` says so.
+    for name, layers, noted in ("low", [], True), ("high", ["--layers", 10, "--layer-growth", 1.3], False):
+        said = run(sys.executable, script, program, folder / name, "--size", 40, *ground, *layers)
+        most = max(float(k) for k in re.findall(r"; k (\S+);", said))
+        assert ("layers end 3.7 m" in said) == (most > 1.2) == noted, said
     return 0
 
 

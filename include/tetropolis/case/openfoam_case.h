@@ -55,7 +55,9 @@ struct OpenfoamCase {
   std::int64_t ground_faces = 0;
   double first_cell = 0;  ///< Height of the cells on the ground [m], the median.
   double layers_top = 0;  ///< Where layers of prisms end above the ground [m], the median; or 0.
-  std::int64_t canopies = 0;      ///< Zones of leaves,
+  double open_layers_top = 0;  ///< The same on the open land, or on all ground without buildings,
+  double open_width = 0;       ///< and the width of the cells there [m].
+  std::int64_t canopies = 0;   ///< Zones of leaves,
   std::int64_t canopy_cells = 0;  ///< and their cells.
   std::int64_t samples = 0;       ///< Points at sample_height.
   double sample_spacing = 0;      ///< [m]
