@@ -149,6 +149,9 @@ void warn_of_stated_heights(const CityModel& raw, const BuildCityOptions& option
   };
   const auto by_attribute = count(kRoofFromAttribute), by_floors = count(kRoofFromFloors),
              by_default = count(kDefaultHeight);
+  // What is taken for heights matters where it is used.
+  if (by_attribute == 0)
+    std::erase_if(warnings, [](const Warning& w) { return w.code == "height_assumed"; });
   const auto stated = by_attribute + by_floors + by_default;
   if (stated == 0 || (has_points && by_floors == 0)) return;
   std::vector<std::string> parts;

@@ -235,15 +235,6 @@ const std::vector<Setting>& table() {
          EXPECT_EQ(changed.raw().buildings[2].source_ids, std::vector<std::string>{"shed"});
        },
        [](Village&, Config& config) { config.id_attribute.clear(); }},
-      {"height_attribute",
-       {"height"},
-       run_city,
-       [](R plain, R changed) {
-         EXPECT_EQ(plain.building("unseen").flags & kRoofFromAttribute, 0U);
-         const Building unseen = changed.building("unseen");
-         EXPECT_NE(unseen.flags & kRoofFromAttribute, 0U);
-         EXPECT_NEAR(unseen.h_roof - unseen.h_ground, 9, 1e-9);
-       }},
       {"terrain_only",
        {"true"},
        run_city,
@@ -830,6 +821,7 @@ const std::map<std::string_view, std::string_view>& elsewhere_tested() {
       {"raster_crs", "sources_test: settings"},
       {"require_grids", "sources_test: 03-osgb-datum-shift"},
       {"where", "sources_test: settings"},
+      {"height_attribute", "sources_test: 15-us-feet"},
       {"height_unit", "sources_test: 15-us-feet"},
       {"floors_attribute", "sources_test: settings"},
       {"floor_height", "sources_test: settings"},
