@@ -146,10 +146,10 @@ struct ConfigField {
       std::variant<bool Config::*, int Config::*, double Config::*, std::string Config::*,
                    std::vector<std::string> Config::*, std::vector<double> Config::*, ChoiceMember>;
 
-  std::string_view name;   ///< Key in TOML; the option is "--" with '-' for '_'.
-  std::string_view group;  ///< Heading in help and documentation.
+  std::string_view name;        ///< Key in TOML; the option is "--" with '-' for '_'.
+  std::string_view group = "";  ///< Heading in help and documentation.
   Member member;
-  unsigned commands;      ///< Command bits that take it.
+  unsigned commands = 0;  ///< Command bits that take it.
   std::string_view help;  ///< One line without a full stop.
   std::string_view unit = "";
   std::string_view value = "";  ///< Of texts: what its value is called: "FILE", "DIR", "CRS".

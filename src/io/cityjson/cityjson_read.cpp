@@ -288,6 +288,7 @@ class CityReader {
     const std::string& type = object.at("type").text();
     if (type != "Building" && type != "BuildingPart") {
       if (type.starts_with('+')) extension_types_.push_back(type);
+      if (type == "TINRelief") ++reliefs_;
       return;
     }
     ObjectFaces geometry = read_faces(object, frame_);
@@ -322,6 +323,9 @@ class CityReader {
 
   /// Of objects of extensions.
   const std::vector<std::string>& extension_types() const { return extension_types_; }
+
+  /// Objects of terrain.
+  std::size_t reliefs() const { return reliefs_; }
 
   /// How many roofs of others reach higher than the height they get, and the first, with why.
   std::size_t flattened() const { return flattened_; }
@@ -421,6 +425,7 @@ class CityReader {
   std::vector<std::vector<StatedRoof>>* roofs_;
   std::vector<std::string> other_solids_;
   std::vector<std::string> extension_types_;
+  std::size_t reliefs_ = 0;
   std::size_t flattened_ = 0;
   std::string first_flattened_;
 };
@@ -572,6 +577,8 @@ void warn_of_objects(const fs::path& path, const CityReader& reader,
        fmt::format("{} objects of extension types were left out (first: {}); change their type to "
                    "Building if they are buildings",
                    unknown.size(), unknown.empty() ? "" : unknown.front()));
+  warn("city_terrain_unread", reader.reliefs(),
+       "its terrain (TINRelief) is not read; the terrain is that of `dtm`");
   const std::vector<std::string>& other = reader.other_solids();
   warn("city_solids_differ", other.size(),
        fmt::format(

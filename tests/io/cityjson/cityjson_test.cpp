@@ -915,6 +915,20 @@ const char* const kTwoParts = R"({"type":"CityJSON","version":"1.1",
 "vertices":[[0,0,1000],[10000,0,1000],[10000,5000,1000],[0,5000,1000],
             [0,0,9000],[10000,0,9000],[10000,5000,9000],[0,5000,9000]]})";
 
+TEST(CityJson, TerrainOfOthersIsNamed) {
+  const TemporaryFolder folder;
+  Json file = Json::parse(kTwoParts);
+  for (const std::int64_t reliefs : {0, 1}) {
+    std::vector<Warning> warnings;
+    read_city(write_text(folder / "a.json", file.dump()), &warnings);
+    std::int64_t told = 0;
+    for (const Warning& warning : warnings)
+      if (warning.code == "city_terrain_unread") told += warning.count;
+    EXPECT_EQ(told, reliefs);
+    file["CityObjects"]["road"]["type"] = "TINRelief";
+  }
+}
+
 TEST(CityJson, TypesOfExtensionsAreNamed) {
   const TemporaryFolder folder;
   Json file = Json::parse(kTwoParts);

@@ -82,8 +82,9 @@ enum class BrokenObjects { kRefuse, kDrop };
 /// it does not tile the ground: one roof per RoofSurface (of a geometry without semantics: per
 /// surface that is not vertical, so that the highest counts), none of LoD 0 to 1.2.
 /// `warnings`, if given, gets "city_objects_dropped", "city_types_unknown" where objects have types
-/// of an extension, and "city_roofs_flattened" where roofs of blocks reach more than half a metre
-/// above that height and `roofs` is not asked for.
+/// of an extension, "city_terrain_unread" where it has a TINRelief, and "city_roofs_flattened"
+/// where roofs of blocks reach more than half a metre above that height and `roofs` is not asked
+/// for.
 ///
 /// Errors, kInput with the path and the place in it ("/CityObjects/a/geometry/0/boundaries"):
 /// missing, not JSON (with the byte), not CityJSON, unknown version, wrong types, indices out of
