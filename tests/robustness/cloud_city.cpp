@@ -68,7 +68,7 @@ CloudCity::CloudCity() {
   fs::create_directories(folder());
   std::vector<std::string> ids;
   for (std::size_t b = 0; b < footprints.size(); ++b) ids.push_back(std::to_string(b));
-  write_footprints(scratch_ / "footprints.shp", footprints, ids, roofs, origin, "EPSG:28992");
+  write_footprints(scratch_ / "footprints.shp", footprints, ids, {}, origin, "EPSG:28992");
 }
 
 std::string CloudCity::write(const std::string& name, const PointCloud& points, int format) const {
