@@ -315,12 +315,12 @@ test('tells what heights rest on, and settings as options, without points', asyn
   await other.goto(`file://${join(plain, 'index.html')}`);
   await other.waitForFunction('window.tetropolis', {timeout: 120_000});
   await other.click('#colours [data-value=flags]');
-  assert.equal(await other.$eval('#legend', (e) => e.textContent), `default height${readReport(plain).city.buildings}`);
+  assert.equal(await other.$eval('#legend', (e) => e.textContent), `roof from attribute${readReport(plain).city.buildings}`);
   await other.evaluate(() => tetropolis.page.select(0, false));
-  assert.match(await other.$eval('#building', (e) => e.textContent), /default height/);
+  assert.match(await other.$eval('#building', (e) => e.textContent), /roof from attribute/);
   const warnings = await other.$eval('#warnings', (e) => e.textContent);
   assert.match(warnings, /level at 0 m \(--ground-level\); give a raster with --dtm /);
-  assert.match(warnings, /get 6 m \(--default-height\)/);
+  assert.match(warnings, /'height' is taken for heights above ground in metres; name another with --height-attribute /);
   await other.close();
 });
 
