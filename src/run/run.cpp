@@ -224,7 +224,7 @@ Report run_mesh(const Config& given, const RunHooks& hooks) {
   if (const auto building = as_footprints(config)) {
     if (hooks.tell)
       hooks.tell(config.city +
-                 ": its outlines and heights are simplified as footprints are, as by "
+                 ": its outlines are simplified and its roofs made again, as by "
                  "'tetropolis build'");
     return run_build(*building, hooks);
   }

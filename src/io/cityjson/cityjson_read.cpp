@@ -360,10 +360,12 @@ class CityReader {
       require_parts(object, building);
       if (!is_roofed(faces, building)) other_solids_.push_back(building.id);
     }
-    std::vector<StatedRoof> roofs;
-    for (const RoofPart& part : building.parts)
-      roofs.push_back(stated_roof(part.outline, part.roof, building.h_ground));
-    push_back(std::move(building), std::move(roofs));
+    if (roofs_ != nullptr) {
+      std::vector<StatedRoof>& roofs = roofs_->emplace_back();
+      for (const RoofPart& part : building.parts)
+        roofs.push_back(stated_roof(part.outline, part.roof, building.h_ground));
+    }
+    model_.buildings.push_back(std::move(building));
   }
 
   static void require_parts(const Place& object, const Building& building) {
@@ -392,8 +394,6 @@ class CityReader {
       // What is lower than a storey has lost its roof to another piece.
       if (heights.high - heights.low < kLeastHeight) heights = whole;
       const std::vector<Face>& own = parts.empty() ? faces : parts[k];
-      std::vector<StatedRoof> roofs;
-      if (lod_of(geometry.lod) > Lod::k1_2) roofs = stated_roofs(own, heights.low);
       BodyParts body = parts_of(own, footprint.polygons[k], heights.low, lod_of(geometry.lod));
       if (flattened.empty() && (heights.is_flattened || has_roof_below(own, heights.high)))
         flattened = body.reason;
@@ -409,14 +409,12 @@ class CityReader {
         building.footprint = std::move(body.footprint);
         building.parts = std::move(body.parts);
       }
-      push_back(std::move(building), std::move(roofs));
+      if (roofs_ != nullptr)
+        roofs_->push_back(lod_of(geometry.lod) > Lod::k1_2 ? stated_roofs(own, heights.low)
+                                                           : std::vector<StatedRoof>{});
+      model_.buildings.push_back(std::move(building));
     }
     if (!flattened.empty() && flattened_++ == 0) first_flattened_ = key + ": " + flattened;
-  }
-
-  void push_back(Building building, std::vector<StatedRoof> roofs) {
-    model_.buildings.push_back(std::move(building));
-    if (roofs_ != nullptr) roofs_->push_back(std::move(roofs));
   }
 
   const CityFrame& frame_;

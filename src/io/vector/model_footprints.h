@@ -11,8 +11,8 @@ namespace tetropolis {
 bool is_city_model(const std::filesystem::path& path);
 
 /// The buildings and parts of a city model (read_city): their outlines, the keys of their objects
-/// as ids, and as heights those of their roofs above their ground. Errors: those of read_city;
-/// kUsage for options about attributes, which models do not have.
+/// as ids, as heights those of their roofs above their ground, and the roofs. Errors: those of
+/// read_city; kUsage for options about attributes, which models do not have.
 FootprintsInput read_model_footprints(const std::filesystem::path& path,
                                       const ReadFootprintsOptions& options);
 
