@@ -8,7 +8,7 @@ import _core  # noqa: E402  # by itself: building needs neither NumPy nor the re
 
 FUNCTIONS = {"BuildCity": "build_city", "ReadCity": "read_city", "BuildMesh": "build_mesh", "Save": "save",
              "Synth": "synth"}
-TAKE_AREAS = ("refine", "surface_layers", "canopies", "domain")  # _areas.py
+TAKE_AREAS = ("refine", "surface_layers", "canopies", "domain", "planned")  # _areas.py
 HEAD = '''"""The keyword arguments of the package's functions, written from the library's list of settings."""
 import inspect
 from collections.abc import Callable, Sequence

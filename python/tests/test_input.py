@@ -156,6 +156,30 @@ def test_areas_in_memory(shared_city, tmp_path):
             tp.build_mesh(shared_city, **wrong)
 
 
+def test_planned_in_memory(data, shared_city, tmp_path):
+    """A plan in memory makes the city that a file of it makes."""
+    x, y = shared_city.footprints[0].exterior.coords[0]
+    shapes = [shapely.box(x - 30, y - 30, x - 5, y - 5), shapely.box(x + 8, y + 8, x + 30, y + 20)]
+    frame = geopandas.GeoDataFrame({"tall": [25.0, 25.0], "name": ["a", "b"]}, geometry=shapes, crs=shared_city.crs)
+    file = tmp_path / "plan.gpkg"
+    frame.rename(columns={"tall": "height"}).to_file(file)
+    build = lambda planned, **more: tp.build_city(data / "footprints.shp", data, id_attribute="id", planned=planned, **more)
+    expected = build(file)
+    planned = [i for i, flags in enumerate(expected.raw.flags) if "planned" in flags]
+    assert np.allclose((expected.raw.h_roof - expected.raw.h_ground)[planned], 25, atol=0.01)
+    assert np.isclose(sum(expected.raw.footprints[i].area for i in planned), 625 + 264, atol=0.1)
+    for given in ((shapes, 25), [(one, np.float32(25)) for one in shapes], (frame, "tall"), frame.rename(columns={"tall": "height"}),
+                  frame.to_crs(4326).rename(columns={"tall": "height"}), str(file), [file]):
+        city = build(given)
+        assert np.allclose(city.h_roof, expected.h_roof, atol=0.02) and len(city) == len(expected)
+        assert len(city.dropped) == len(expected.dropped)
+    frame.to_file(file)
+    assert np.array_equal(build(f"{file}:tall").h_roof, expected.h_roof)
+    for wrong in ((frame, "size"), frame, shapes, 4):
+        with pytest.raises((tp.UsageError, tp.InputError), match="planned|no height"):
+            build(wrong)
+
+
 def test_domain_in_memory(data):
     x, y = tp.build_city(data / "footprints.shp", data).origin
     area = shapely.Polygon([(x + 40, y + 30), (x + 250, y + 60), (x + 230, y + 240), (x + 60, y + 200)])

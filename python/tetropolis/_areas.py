@@ -14,13 +14,26 @@ from ._errors import UsageError
 from ._input import is_path
 
 TAKE_AREAS = {"refine": "[(areas, 2.5)]", "surface_layers": '[(areas, "water")] or [(areas, "column")]',
-              "canopies": '[areas] or [(areas, "column")]', "domain": "areas"}
+              "canopies": '[areas] or [(areas, "column")]', "planned": '[(areas, 25.0)] or [(areas, "column")]',
+              "domain": "areas"}
 # Columns that mean something by their name, beside the one that a setting names.
 OF_CANOPIES = ("crown_base", "leaf_area_density")
 
 
 def _is_pair(value: Any) -> bool:
     return isinstance(value, tuple) and len(value) == 2 and isinstance(value[1], (str, int, float, np.number))
+
+
+def _heights(areas: Any, column: Any, columns: list[Any]) -> dict[str, Any]:
+    """Columns of planned buildings: their height if it is given or named, or else all numbers and texts."""
+    if column is None:
+        return {str(one): areas[one].array for one in columns
+                if areas[one].dtype.kind in "iuf" or areas[one].map(lambda value: isinstance(value, str)).all()}
+    if not isinstance(column, str):
+        return {"height": np.full(len(areas), float(column))}
+    if column not in columns:
+        raise UsageError(f"planned: the areas have no column {column!r}; they have: {', '.join(map(str, columns))}")
+    return {"height": areas[column].array}
 
 
 def _write(areas: Any, column: Any, path: str, name: str, crs: str) -> None:
@@ -40,8 +53,10 @@ def _write(areas: Any, column: Any, path: str, name: str, crs: str) -> None:
     if name in ("surface_layers", "canopies") and column not in (None, "water", "road", "vegetation", *columns):
         raise UsageError(f"{name}: the areas have no column {column!r}; they have: {', '.join(map(str, columns))}")
     kept = [one for one in (column, *OF_CANOPIES) if isinstance(one, str) and one in columns]
-    frame = geopandas.GeoDataFrame({one: areas[one].array for one in kept}, geometry=areas.geometry.array,
-                                   crs=areas.crs or crs or None)
+    values = {one: areas[one].array for one in kept}
+    if name == "planned":
+        values = _heights(areas, column, columns)
+    frame = geopandas.GeoDataFrame(values, geometry=areas.geometry.array, crs=areas.crs or crs or None)
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=".*crs.*not provided")
         frame.to_file(path, driver="FlatGeobuf", engine="pyogrio", index=False, SPATIAL_INDEX="NO")
@@ -55,7 +70,7 @@ def areas_as_files(settings: Mapping[str, Any], crs: str = "") -> Iterator[dict[
             areas, means = value if _is_pair(value) and not is_path(value[0]) else (value, None)
             path = os.path.join(folder, f"{name}_{number}.fgb")
             _write(areas, means, path, name, crs)
-            return path if means is None else f"{path}:{means}"
+            return path if means is None or name == "planned" else f"{path}:{means}"
 
         changed = dict(settings)
         for name in TAKE_AREAS:

@@ -297,6 +297,8 @@ def build_city(footprints: Any, points: Any = None, *, classification: npt.Array
         ASPRS classes of points in memory; without, the ground is found by a filter.
     domain : also a GeoDataFrame, GeoSeries or polygon of shapely
         The area to be meshed; without a CRS in that of the city.
+    planned : also a GeoDataFrame, or areas with their height
+        Planned buildings, in place of those that stand there: ``planned=[(polygon, 25.0)]``, ``[(frame, "column")]``.
     progress : bool or callable, optional
         True: a bar of tqdm. A callable gets the name of the step and the share of the whole that is done, in
         [0, 1].

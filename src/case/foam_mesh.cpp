@@ -17,7 +17,6 @@
 
 #include "tetropolis/core/error.h"
 
-#include "geometry/town.h"
 #include "geometry/vec3.h"
 
 namespace tetropolis {
@@ -82,14 +81,16 @@ class FoamFile {
   std::size_t at_ = 0;
 };
 
-/// Of the note that write_openfoam leaves; zeros without one.
-Point3 origin_in(const std::string& header) {
-  Point3 origin{};
-  const std::size_t at = header.find("\"origin ");
-  if (at == std::string::npos) return origin;
-  std::istringstream numbers(header.substr(at + 8));
-  for (double& c : origin) numbers >> c;
-  return origin;
+/// Of the note that write_openfoam leaves.
+void read_note(const std::string& header, FoamMesh& mesh) {
+  const auto numbers = [&](const char* name, auto&... values) {
+    const std::size_t at = header.find(name);
+    if (at == std::string::npos) return;
+    std::istringstream words(header.substr(at + std::string_view(name).size()));
+    (words >> ... >> values);
+  };
+  numbers("\"origin ", mesh.origin[0], mesh.origin[1], mesh.origin[2]);
+  numbers(" town ", mesh.town.xmin, mesh.town.ymin, mesh.town.xmax, mesh.town.ymax);
 }
 
 std::vector<FoamPatch> read_patches(const fs::path& path) {
@@ -201,16 +202,6 @@ void require_consistent(const fs::path& folder, const FoamMesh& mesh) {
   if (next != mesh.faces()) fail(folder / "boundary", "some faces have no patch");
 }
 
-Bounds2 town_of(const FoamMesh& mesh) {
-  Town town;
-  for (const FoamPatch& patch : mesh.patches) {
-    if (!patch.of_building()) continue;
-    for (std::size_t f = patch.begin; f < patch.end; ++f)
-      for (const std::int32_t corner : mesh.face(f)) town.add(mesh.point(corner));
-  }
-  return town.bounds();
-}
-
 /// The file `boundary` with its patch `ground` in two, the second from face `at`. The rest stays.
 std::string with_open_land(std::string text, const FoamPatch& ground, std::size_t at) {
   std::smatch entry;
@@ -235,7 +226,13 @@ void split_off_open_land(const fs::path& folder, FoamMesh& mesh) {
   constexpr double kHair = 1e-3;  // [m]; the writer has sorted other roundings of these centres
   const auto ground = std::find_if(mesh.patches.begin(), mesh.patches.end(),
                                    [](const FoamPatch& patch) { return patch.name == "ground"; });
-  if (ground == mesh.patches.end() || mesh.town.empty()) return;
+  if (ground == mesh.patches.end()) return;
+  if (mesh.town.empty()) {
+    for (const FoamPatch& patch : mesh.patches)
+      if (patch.of_building() && patch.begin < patch.end)
+        fail(folder / "points", "does not say where the town is: of an older version");
+    return;
+  }
   const auto is_within = [&](const Bounds2& box, std::size_t f) {
     const Point3 centre = face_geometry(mesh, f).centre;
     return box.contains({centre[0], centre[1]});
@@ -287,7 +284,7 @@ FoamMesh read_foam_mesh(const fs::path& folder) {
   if (!fs::is_directory(folder, error)) fail(folder, "is not there");
   FoamFile points(folder / "points");
   mesh.points = points.list<Point3>();
-  mesh.origin = origin_in(points.header());
+  read_note(points.header(), mesh);
   FoamFile faces(folder / "faces");
   mesh.face_start = faces.list<std::int32_t>();
   mesh.face_points = faces.list<std::int32_t>();
@@ -300,7 +297,6 @@ FoamMesh read_foam_mesh(const fs::path& folder) {
   mesh.patches = read_patches(folder / "boundary");
   mesh.canopies = read_canopies(folder / "cellZones", mesh.cell_count);
   require_consistent(folder, mesh);
-  mesh.town = town_of(mesh);
   split_off_open_land(folder, mesh);
   return mesh;
 }

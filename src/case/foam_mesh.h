@@ -41,8 +41,8 @@ struct FoamMesh {
   std::vector<std::int32_t> owner;      ///< Per face.
   std::vector<std::int32_t> neighbour;  ///< Per internal face; these come first.
   std::vector<FoamPatch> patches;
-  std::vector<FoamCanopy> canopies;  ///< Zones of cells that have a leafAreaDensity.
-  Bounds2 town;                      ///< Town of its buildings.
+  std::vector<FoamCanopy> canopies;   ///< Zones of cells that have a leafAreaDensity.
+  Bounds2 town = Bounds2::nothing();  ///< As write_openfoam has noted it.
   /// What constant/polyMesh/boundary has to be for `patches`; empty if that is what it is.
   std::string new_boundary;
 

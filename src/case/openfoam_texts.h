@@ -157,7 +157,8 @@ if command -v python3 >/dev/null; then python3 @LOOK@; fi
 inline constexpr const char* kWindPy = R"TEXT(#!/usr/bin/env python3
 """What a run found: residuals, flux, speeds, and a picture of the wind where people are.
 
-python3 wind.py [--max SPEED]   in the folder of the case, or with its path as last word; needs Python alone.
+python3 wind.py [--max SPEED] [--against CASE]   in the folder of the case, or with its path as last word; needs
+Python alone. CASE: another city or mesh, whose wind is compared where both have a point.
 """
 import argparse
 import array
@@ -171,6 +172,7 @@ REFERENCE = @SPEED@  # m/s at @HEIGHT@ m
 SAMPLE_HEIGHT, SPACING = @SAMPLE_HEIGHT@, @SPACING@  # of the points where people are [m]
 ORIGIN = @X@, @Y@  # of the mesh, on the map
 COLOURS = [(48, 18, 59), (70, 107, 227), (27, 208, 213), (122, 252, 98), (249, 186, 57), (240, 91, 18), (122, 4, 3)]
+LESS_AND_MORE = [(5, 48, 97), (67, 147, 195), (235, 235, 235), (214, 96, 77), (103, 0, 31)]
 
 
 def residuals(log):
@@ -225,14 +227,14 @@ def png(path, rows):
     path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", size) + chunk(b"IDAT", body) + chunk(b"IEND", b""))
 
 
-def colour(share):
-    at = min(max(share, 0), 1) * (len(COLOURS) - 1)
-    i = min(int(at), len(COLOURS) - 2)
-    return [round(a + (at - i) * (b - a)) for a, b in zip(COLOURS[i], COLOURS[i + 1])]
+def colour(share, colours):
+    at = min(max(share, 0), 1) * (len(colours) - 1)
+    i = min(int(at), len(colours) - 2)
+    return [round(a + (at - i) * (b - a)) for a, b in zip(colours[i], colours[i + 1])]
 
 
-def draw(path, speeds, spacing, most):
-    """North up, a bar of speeds from 0 to `most` below; a world file says where it lies on the map."""
+def draw(path, speeds, spacing, most, least=0, colours=COLOURS):
+    """North up, a bar of speeds from `least` to `most` below; a world file says where it lies on the map."""
     columns = [round(x / spacing - 0.5) for x, _ in speeds]
     lines = [round(y / spacing - 0.5) for _, y in speeds]
     left, bottom = min(columns), min(lines)
@@ -240,12 +242,12 @@ def draw(path, speeds, spacing, most):
     scale = max(1, round(900 / max(width, height)))
     grid = [[(200, 200, 200)] * width for _ in range(height)]
     for i, j, speed in zip(columns, lines, speeds.values()):
-        grid[height - 1 - (j - bottom)][i - left] = colour(speed / most)
+        grid[height - 1 - (j - bottom)][i - left] = colour((speed - least) / (most - least), colours)
     rows = []
     for line in grid:
         row = [value for pixel in line for _ in range(scale) for value in pixel]
         rows += [row] * scale
-    bar = [value for i in range(width * scale) for value in colour(i / max(width * scale - 1, 1))]
+    bar = [value for i in range(width * scale) for value in colour(i / max(width * scale - 1, 1), colours)]
     rows += [[255] * len(bar)] * 6 + [bar] * 12
     png(path, rows)
     pixel = spacing / scale
@@ -268,10 +270,45 @@ def people(case):
     return points
 
 
+def on_map(place, origin=ORIGIN):
+    """Centimetres."""
+    return round(100 * (origin[0] + place[0])), round(100 * (origin[1] + place[1]))
+
+
+def compare(folder, values, theirs, most):
+    """`values` by place; `theirs`, those of another case, by place on the map. Writes against.png."""
+    pairs = {place: (value, theirs[on_map(place)]) for place, value in values.items() if on_map(place) in theirs}
+    if not pairs:
+        raise SystemExit("--against: no point in common; build both with the same --bounds or --domain FILE, or --origin")
+    n = len(pairs)
+    rises = {place: mine - other for place, (mine, other) in pairs.items()}
+    means = [math.fsum(pair[i] for pair in pairs.values()) / n for i in (0, 1)]
+    covariance = [math.fsum((p[i] - means[i]) * (p[j] - means[j]) for p in pairs.values()) for i, j in ((0, 0), (1, 1), (0, 1))]
+    print(f"against       {n} points in both: mean {means[0]:.2f} instead of {means[1]:.2f} m/s, "
+          f"root mean square of differences {math.sqrt(math.fsum(d * d for d in rises.values()) / n):.2f} m/s, "
+          f"correlation {covariance[2] / math.sqrt(covariance[0] * covariance[1]):.3f}" if min(covariance[:2]) > 0 else
+          f"against       {n} points in both: mean {means[0]:.2f} instead of {means[1]:.2f} m/s")
+    print(f"              faster by {most / 4:g} m/s or more: {100 * sum(d >= most / 4 for d in rises.values()) / n:.1f} %, "
+          f"slower: {100 * sum(d <= -most / 4 for d in rises.values()) / n:.1f} %")
+    draw(folder / "against.png", rises, SPACING, most, -most, LESS_AND_MORE)
+    print(f"picture       {folder / 'against.png'}: slower by {most:g} m/s (blue) to faster (red), north up")
+
+
+def points_of(case):
+    """{place on the map: speed} of another case."""
+    scripts = [path for path in (case / "wind.py", case.parent / "wind.py") if path.exists()]
+    found = re.search(r"^ORIGIN = (\S+), (\S+)", scripts[0].read_text(), re.M) if scripts else None
+    points = people(case)
+    if not found or not points:
+        raise SystemExit(f"--against: {case} is no case that is solved")
+    return {on_map(place, (float(found[1]), float(found[2]))): speed for place, (_, speed) in points.items()}
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("case", nargs="?", default=pathlib.Path(__file__).parent, type=pathlib.Path)
     parser.add_argument("--max", type=float, default=REFERENCE, help="speed of the last colour [m/s]")
+    parser.add_argument("--against", type=pathlib.Path, metavar="CASE", help="another case, to compare with")
     arguments = parser.parse_args()
     case = arguments.case
     logs = [case / name for name in ("log.simpleFoam", "log.foamRun") if (case / name).exists()]
@@ -306,6 +343,8 @@ def main():
           "10, 50, 90, 99 % are below {:.2f}, {:.2f}, {:.2f}, {:.2f}".format(*share))
     draw(case / "pedestrian.png", speeds, SPACING, arguments.max)
     print(f"picture       {case / 'pedestrian.png'}: 0 to {arguments.max:g} m/s, north up, buildings grey")
+    if arguments.against:
+        compare(case, speeds, points_of(arguments.against), REFERENCE / 2)
 
 
 if __name__ == "__main__":

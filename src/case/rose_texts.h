@@ -24,7 +24,7 @@ fi
 inline constexpr const char* kRosePy = R"TEXT(#!/usr/bin/env python3
 """The wind of all directions where people are: rose.csv, pictures, and how often it is too windy.
 
-python3 rose.py [--frequencies FILE] [--threshold SPEED]   needs Python alone.
+python3 rose.py [--frequencies FILE] [--threshold SPEED] [--against FOLDER]   needs Python alone.
 
 rose.csv: per point, on the map, the speed over that of the undisturbed wind, for the wind from each direction (w045).
 Without FILE also their mean, and the highest and where it comes from.
@@ -34,13 +34,14 @@ with how often the wind comes from there (any unit), its mean speed at the heigh
 shape of its Weibull distribution (2 if it is not given, Rayleigh's). A row belongs to the nearest of the directions, to
 both where it lies halfway. A row of speed 0 is calm: time without wind, of any direction.
 With it: the mean speed, and the shares of time above the threshold (5 m/s: comfort in NEN 8100) and 15 m/s (danger).
+FOLDER: another city or mesh with a rose.csv, whose means are compared where both have a point.
 """
 import argparse
 import csv
 import math
 import pathlib
 
-from wind import ORIGIN, SPACING, draw, people
+from wind import ORIGIN, SPACING, compare, draw, on_map, people
 
 WINDS = "@WINDS@".split()
 REFERENCE = @SPEED@  # m/s of the undisturbed wind
@@ -114,6 +115,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--frequencies", type=pathlib.Path, help="table of direction,frequency,speed[,shape]")
     parser.add_argument("--threshold", type=float, default=5, help="too windy above [m/s]")
+    parser.add_argument("--against", type=pathlib.Path, metavar="FOLDER", help="another rose, to compare with")
     arguments = parser.parse_args()
     frequencies = arguments.frequencies
     if frequencies is None and (folder / "frequencies.csv").exists():
@@ -179,6 +181,22 @@ def main():
         print(f"NEN 8100      danger: {classed(dangerous.values(), DANGER)}")
     else:
         show("rose", columns["mean"], 1, "mean of all winds over the undisturbed one, 0 to 1")
+    if arguments.against:
+        name, unit = ("mean_speed", 1) if rows else ("mean", REFERENCE)
+        try:
+            with open(arguments.against / "rose.csv", newline="") as file:
+                others = {on_map((float(row["x"]), float(row["y"])), (0, 0)): row for row in csv.DictReader(file)}
+            theirs = {place: unit * float(row[name]) for place, row in others.items()}
+        except OSError as error:
+            raise SystemExit(f"{arguments.against / 'rose.csv'}: {error.strerror}") from None
+        except (KeyError, TypeError, ValueError):
+            raise SystemExit(f"{arguments.against / 'rose.csv'}: has no {name}; give both the same frequencies") from None
+        compare(folder, {p: unit * value for p, value in columns[name].items()}, theirs, REFERENCE / 2)
+        pairs = [(value, others[on_map(p)].get("comfort")) for p, value in comfort.items() if on_map(p) in others]
+        pairs = [(value, "ABCDE".index(other)) for value, other in pairs if other]
+        if pairs:
+            print(f"NEN 8100      comfort: better at {100 * sum(a < b for a, b in pairs) / len(pairs):.1f} % of the points, "
+                  f"worse at {100 * sum(a > b for a, b in pairs) / len(pairs):.1f} %")
 
 
 if __name__ == "__main__":

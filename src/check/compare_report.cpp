@@ -70,7 +70,8 @@ void compare_buildings(const CityModel& city, const CityCheck& check, const City
                 all_source_ids(city).size() - city.dropped.size() - alone, file);
   compare_count("number of dropped footprints",
                 account.unusable + account.outside - account.unlisted + account.boundary +
-                    account.too_small + account.too_narrow + account.no_building + account.outlined,
+                    account.too_small + account.too_narrow + account.no_building +
+                    account.outlined + account.replaced,
                 city.dropped.size(), file);
   compare("area of footprints", report.area_after, check.area * (1 - 1e-9) - 1e-6, check.area,
           check.area * (1 + 1e-9) + 1e-6, file);
@@ -249,9 +250,10 @@ void compare_layers(const std::vector<VectorLayer>& layers, const Report& report
   const FootprintAccount& account = report.city->account;
   compare_layer("buildings", report.city->buildings);
   compare_layer("dropped", account.unusable + account.boundary + account.too_small +
-                               account.too_narrow + account.no_building + account.outlined);
-  // What the domain cuts into parts is one footprint there.
-  if (report.config.boundary_buildings == BoundaryBuildings::kDrop)
+                               account.too_narrow + account.no_building + account.outlined +
+                               account.replaced);
+  // What the domain or a planned building cuts into parts is one footprint there.
+  if (report.config.boundary_buildings == BoundaryBuildings::kDrop && report.config.planned.empty())
     compare_layer("footprints", account.features + account.further_parts - account.outside);
 }
 

@@ -17,7 +17,8 @@ constexpr std::array kFlagNames = {"ground_from_dtm",
                                    "repaired",
                                    "clipped",
                                    "roof_from_floors",
-                                   "default_height"};
+                                   "default_height",
+                                   "planned"};
 
 }  // namespace
 
@@ -38,7 +39,7 @@ std::uint32_t flags_from_names(const std::vector<std::string>& names) {
 
 const char* name_of(DropCause cause) {
   constexpr std::array kNames = {"unusable",   "outside",     "boundary", "too_small",
-                                 "too_narrow", "no_building", "outlined"};
+                                 "too_narrow", "no_building", "outlined", "replaced"};
   return kNames[static_cast<std::size_t>(cause)];
 }
 

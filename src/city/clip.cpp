@@ -23,28 +23,31 @@ std::vector<Polygon> parts_in_domain(const Polygon& polygon, const Domain& domai
       .value_or(std::vector<Polygon>());
 }
 
-std::vector<Polygon> clip_to_domain(const Polygon& polygon, const Domain& domain, double least_area,
-                                    double* lost_area) {
-  std::vector<Polygon> parts = parts_in_domain(polygon, domain);
+std::vector<Polygon> clean_parts(std::vector<Polygon> parts, double least_area, double* lost_area) {
   std::stable_sort(parts.begin(), parts.end(),
                    [](const Polygon& a, const Polygon& b) { return area(a) > area(b); });
-  std::vector<Polygon> clipped;
+  std::vector<Polygon> kept;
   double lost = 0;
   for (Polygon& part : parts) {
-    if (area(part) < (clipped.empty() ? std::min(kCrumb, least_area) : least_area)) {
+    if (area(part) < (kept.empty() ? std::min(kCrumb, least_area) : least_area)) {
       lost += area(part);
       continue;
     }
     for (Point2& p : part.outer) p = snap_coordinate(p);
     for (Ring& hole : part.holes)
       for (Point2& p : hole) p = snap_coordinate(p);
-    // The domain may have cut off all but a sliver, or left vertices a hair apart.
+    // The cut may have left but a sliver, or left vertices a hair apart.
     CleanedFootprint clean = clean_footprint(part, {.parallel_tolerance = 0});
     lost += clean.polygon.outer.empty() ? area(part) : clean.lost_area;
-    if (!clean.polygon.outer.empty()) clipped.push_back(std::move(clean.polygon));
+    if (!clean.polygon.outer.empty()) kept.push_back(std::move(clean.polygon));
   }
   if (lost_area != nullptr) *lost_area = lost;
-  return clipped;
+  return kept;
+}
+
+std::vector<Polygon> clip_to_domain(const Polygon& polygon, const Domain& domain, double least_area,
+                                    double* lost_area) {
+  return clean_parts(parts_in_domain(polygon, domain), least_area, lost_area);
 }
 
 }  // namespace tetropolis

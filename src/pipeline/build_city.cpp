@@ -37,6 +37,8 @@ namespace tetropolis {
 
 namespace {
 
+bool is_planned(const Building& building) { return (building.flags & kPlanned) != 0; }
+
 [[noreturn]] void throw_no_footprint(const CityModel& raw, const std::string& source) {
   const std::string why =
       raw.dropped.empty() ? "the file has none"
@@ -82,7 +84,7 @@ void tell_basis(const HeightBasis& basis, CityModel& model) {
 /// The simplified model without heights.
 CityModel merged_model(const CityModel& raw, const Simplification& simple,
                        const HeightBasis& raw_basis, HeightBasis& basis) {
-  constexpr std::uint32_t inherited = kRepaired | kClipped;
+  constexpr std::uint32_t inherited = kRepaired | kClipped | kPlanned;
   CityModel model;
   model.origin = raw.origin;
   model.domain = raw.domain;
@@ -263,6 +265,34 @@ PointLists no_points_of(std::size_t buildings) {
   return lists;
 }
 
+/// Points inside planned buildings are of what stands there now.
+void forget_roofs_of_planned(const CityModel& raw, BuildingPoints& points) {
+  if (std::none_of(raw.buildings.begin(), raw.buildings.end(), is_planned)) return;
+  PointLists lists;
+  for (std::size_t b = 0; b < points.roof.size(); ++b) {
+    const bool forgets = is_planned(raw.buildings[BuildingIndex(b)]);
+    lists.push_back(forgets ? std::span<const PointIndex>() : points.roof[b]);
+    if (forgets) points.by_exclusion[b] = 0;
+  }
+  points.roof = std::move(lists);
+}
+
+/// The block that a planned building is merged into has the mean height of its members, weighted by
+/// area, as no points tell of the planned one.
+void set_heights_of_planned(const CityModel& raw,
+                            std::span<const std::vector<BuildingIndex>> members, CityModel& city) {
+  for (std::size_t b = 0; b < members.size(); ++b) {
+    Building& building = city.buildings[BuildingIndex(b)];
+    if (!is_planned(building) || building.n_roof_points == 0) continue;
+    double volume = 0, whole = 0;
+    for (const BuildingIndex m : members[b]) {
+      volume += area(raw.buildings[m].footprint) * raw.buildings[m].h_roof;
+      whole += area(raw.buildings[m].footprint);
+    }
+    building.h_roof = snap_height(volume / whole);
+  }
+}
+
 /// Of points that were extracted for roofs, those that heights are computed from.
 BuildingPoints without_outliers(const BuildCityOptions& options, BuildingPoints points,
                                 const PointCloud& cloud) {
@@ -328,11 +358,12 @@ void leave_out_unbuilt(const BuildCityOptions& options, const PointCloud& cloud,
   if (sources.points.roof.values.empty()) return;
   CityModel& raw = result.raw;
   std::vector<Building> buildings(raw.buildings.begin(), raw.buildings.end());
-  const std::vector<std::size_t> measured =
+  std::vector<std::size_t> measured =
       clock.run("1.5", "measured ground", [&](const Progress& progress) {
         return find_measured_ground(buildings, sources.points.roof, cloud, result.terrain,
                                     progress);
       });
+  std::erase_if(measured, [&](std::size_t b) { return is_planned(buildings[b]); });
   if (measured.empty()) return;
   // What states a height may be newer than the points.
   std::vector<std::size_t> unbuilt;
@@ -408,6 +439,7 @@ HeightSources make_raw_city(const BuildCityOptions& options, CityInput& input, S
     if (options.lod != Lod::kBlock) extract.sigma = std::numeric_limits<double>::infinity();
     BuildingPoints extracted =
         extract_building_points(raw.buildings, clean.crossing, cloud, extract, progress);
+    forget_roofs_of_planned(raw, extracted);
     // The ground at a building is that of the terrain, if that is known.
     if (input.terrain) extracted.ground = no_points_of(raw.buildings.size());
     return extracted;
@@ -463,6 +495,7 @@ void merge_buildings(const BuildCityOptions& options, const CityInput& input,
                                           simple.members),
                     input.points.points, result.terrain, options.heights);
     tell_basis(basis, city);
+    set_heights_of_planned(raw, simple.members, city);
   });
   if (options.lod != Lod::kBlock) {
     result.facts.roofs = clock.run("2.3", "roofs", [&](const Progress& progress) {

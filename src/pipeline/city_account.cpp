@@ -88,6 +88,9 @@ FootprintAccount account_of(const InputFacts& input, const CityModel& model) {
       case DropCause::kOutlined:
         ++account.outlined;
         break;
+      case DropCause::kReplaced:
+        ++account.replaced;
+        break;
     }
   }
   return account;
@@ -114,6 +117,7 @@ std::string account_in_words(const CityFacts& facts, const BuildCityOptions& opt
   tell(dropped, account.too_narrow, fmt::format("narrower than {:g} m", distance));
   tell(dropped, account.no_building, "below ground or not built");
   tell(dropped, account.outlined, "outlines of parts");
+  tell(dropped, account.replaced, "for what is planned");
   tell(dropped, account.unusable, "without a usable outline");
   std::string line = counted(account.features, "footprint");
   if (account.further_parts > 0)

@@ -16,6 +16,7 @@
 #include "core/parallel.h"
 #include "core/shared_progress.h"
 #include "default_domain.h"
+#include "planned.h"
 
 namespace tetropolis {
 
@@ -151,7 +152,7 @@ CleanFeatures clean_features(const BuildCityOptions& options, const FootprintsIn
     result.parts += static_cast<std::int64_t>(kept.parts.size()) - 1;
     for (std::size_t k = 0; k < kept.parts.size(); ++k) {
       Building building;
-      building.flags = kept.flags;
+      building.flags = kept.flags | (feature.is_planned ? kPlanned : 0U);
       building.id = fmt::format("b{}", result.buildings.size());
       building.source_ids = {k == 0 ? feature.source_id : part_ids.next(feature.source_id)};
       building.footprint = std::move(kept.parts[k]);
@@ -160,6 +161,9 @@ CleanFeatures clean_features(const BuildCityOptions& options, const FootprintsIn
       result.buildings.push_back(std::move(building));
     }
   }
+  make_way_for_planned(
+      options.simplify.min_area, [&](const std::string& id) { return part_ids.next(id); }, result,
+      warnings);
   for (const Polygon& part : result.crossing)
     result.area_lost += covered ? total_area(parts_in_domain(part, *covered)) : area(part);
   result.area += result.area_lost;

@@ -71,7 +71,7 @@ void run_filter(GroundFilterOptions options, CityInput& input, std::span<const F
   clock.run("1.3", "find ground points", [&](const Progress& progress) {
     std::vector<Polygon> footprints;
     for (const Footprint& feature : input.footprints.features)
-      footprints.push_back(feature.polygon);
+      if (!feature.is_planned) footprints.push_back(feature.polygon);
     const std::vector<std::uint8_t> ground =
         files.empty() ? filter_ground(input.points.points, footprints, options, progress)
                       : filter_around(input, files, footprints, options, progress);

@@ -6,8 +6,8 @@
 #include "tetropolis/io/crs/crs.h"
 #include "tetropolis/run/config.h"
 
+#include "file_and_attribute.h"
 #include "memory_limit.h"
-#include "read_canopies.h"
 #include "read_size_regions.h"
 #include "read_surfaces.h"
 
@@ -32,7 +32,9 @@ void require_refine(const std::string& text) { parse_refine(text); }
 
 void require_surface_layer(const std::string& text) { parse_surface_layer(text); }
 
-void require_canopies(const std::string& text) { parse_canopies(text); }
+void require_planned(const std::string& text) { parse_file_and_attribute("planned", text); }
+
+void require_canopies(const std::string& text) { parse_file_and_attribute("canopies", text); }
 
 void require_size(const std::string& text) {
   if (!text.empty()) parse_size(text);
@@ -46,6 +48,14 @@ std::vector<ConfigField> input_fields() {
        .help = "Building footprints: files in any vector format that GDAL reads, folders, patterns",
        .value = "PATH",
        .common = true},
+      {.name = "planned",
+       .member = &C::planned,
+       .help =
+           "Planned buildings, with heights above ground in a column `height` or the one named. "
+           "Footprints that they cover by half make way, others are cut; of height 0: what is "
+           "to be torn down",
+       .value = "FILE or FILE:ATTRIBUTE",
+       .require = require_planned},
       {.name = "points",
        .member = &C::points,
        .help = "Point clouds, if there are any: LAS or LAZ files, folders, patterns",

@@ -14,6 +14,7 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 
+#include "file_and_attribute.h"
 #include "read_areas.h"
 
 namespace tetropolis {
@@ -84,30 +85,12 @@ std::string fault_of(const Canopy& canopy, bool is_measured) {
 
 }  // namespace
 
-CanopiesEntry parse_canopies(const std::string& text) {
-  CanopiesEntry entry;
-  const std::size_t colon = text.rfind(':');
-  entry.file = text.substr(0, colon);
-  if (colon == std::string::npos) {
-    if (!text.empty()) return entry;
-  } else {
-    entry.attribute = text.substr(colon + 1);
-    // "C:\trees.gpkg" is a file.
-    if (entry.attribute.find_first_of("/\\") != std::string::npos) return {text, ""};
-    if (!entry.file.empty() && !entry.attribute.empty()) return entry;
-  }
-  throw Error(ErrorKind::kUsage,
-              fmt::format("canopies: '{}': give FILE, or FILE:ATTRIBUTE with an attribute of "
-                          "heights in metres",
-                          text));
-}
-
 std::vector<Canopy> read_canopies(const Config& config, const CityModel& city,
                                   const Raster& measured, std::vector<Warning>& warnings) {
   std::vector<Canopy> canopies;
   const Bounds2 domain = city.domain.bounds().moved(city.origin);
   for (const std::string& text : config.canopies) {
-    const CanopiesEntry entry = parse_canopies(text);
+    const FileAndAttribute entry = parse_file_and_attribute("canopies", text);
     const bool is_measured = entry.attribute.empty();
     if (is_measured && measured.values.empty())
       throw Error(ErrorKind::kInput,

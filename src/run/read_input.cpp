@@ -23,6 +23,7 @@
 #include "pipeline/footprint_extent.h"
 #include "pipeline/memory.h"
 #include "pipeline/require_metres.h"
+#include "read_planned.h"
 #include "read_rasters.h"
 
 namespace tetropolis {
@@ -63,12 +64,23 @@ Bounds2 stated_box(const Config& config) {
   return {config.bounds[0], config.bounds[1], config.bounds[2], config.bounds[3]};
 }
 
+FootprintsInput read_existing(const Config& config, const InputInMemory& given,
+                              const ReadFootprintsOptions& options) {
+  if (given.footprints) return take_footprints(*given.footprints, options);
+  if (config.footprints.empty()) return {};
+  const std::vector<std::filesystem::path> paths = footprint_paths(config);
+  if (paths.size() == 1) return read_footprints(paths.front(), options);
+  std::vector<FootprintsInput> all;
+  for (const std::filesystem::path& path : paths) all.push_back(read_footprints(path, options));
+  return merge_footprints(std::move(all), paths);
+}
+
 /// `target_crs`: what they are reprojected to; empty: as they are. `city_crs`: of the settings'
 /// bounds, if known.
 FootprintsInput read_all_footprints(const Config& config, const InputInMemory& given,
                                     const std::string& target_crs, const std::string& city_crs,
                                     StepClock& clock) {
-  if (config.footprints.empty()) return {};
+  if (config.footprints.empty() && config.planned.empty()) return {};
   ReadFootprintsOptions options;
   options.layer = config.layer;
   options.id_attribute = config.id_attribute;
@@ -85,12 +97,9 @@ FootprintsInput read_all_footprints(const Config& config, const InputInMemory& g
   if (const Bounds2 box = stated_box(config); !kDegrees.covers(box)) options.within = box;
   options.within_crs = city_crs;
   return clock.run("1.2", "read footprints", [&](const Progress&) {
-    if (given.footprints) return take_footprints(*given.footprints, options);
-    const std::vector<std::filesystem::path> paths = footprint_paths(config);
-    if (paths.size() == 1) return read_footprints(paths.front(), options);
-    std::vector<FootprintsInput> all;
-    for (const std::filesystem::path& path : paths) all.push_back(read_footprints(path, options));
-    return merge_footprints(std::move(all), paths);
+    FootprintsInput footprints = read_existing(config, given, options);
+    add_planned(config, options, footprints);
+    return footprints;
   });
 }
 

@@ -105,7 +105,7 @@ void fields_of(FootprintAccount& account, const Field& field) {
         "features in the footprint file; all counts of the account are 0 in `mesh`");
   field(
       "further_parts", account.further_parts, "integer",
-      "polygons beyond the first of a feature; the counts from here to `outlined` add up to both");
+      "polygons beyond the first of a feature; the counts from here to `replaced` add up to both");
   field("kept", account.kept, "integer", "footprints that are a building alone");
   field("merged", account.merged, "integer", "footprints in buildings of several");
   field("unusable", account.unusable, "integer", "dropped: no polygon, or beyond repair");
@@ -118,6 +118,8 @@ void fields_of(FootprintAccount& account, const Field& field) {
   field("no_building", account.no_building, "integer",
         "dropped: below ground or not built, by its attributes or as the ground in it is measured");
   field("outlined", account.outlined, "integer", "dropped: its parts stand for it");
+  field("replaced", account.replaced, "integer",
+        "dropped: a planned building stands there, or nothing is to");
   field("unlisted", account.unlisted, "integer",
         "of those outside, how many are not in `city.dropped`, which has the first 100,000 beyond "
         "`bounds` of a file");

@@ -16,12 +16,12 @@
 
 #include "core/parallel.h"
 #include "core/step_clock.h"
+#include "file_and_attribute.h"
 #include "folders.h"
 #include "foreign_model.h"
 #include "make_in_memory.h"
 #include "mistaken_input.h"
 #include "options_of.h"
-#include "read_canopies.h"
 #include "read_size_regions.h"
 #include "read_surfaces.h"
 #include "replace_results.h"
@@ -37,12 +37,13 @@ namespace {
 void require_input(const Config& config, Command command) {
   require_in_range(config, command);
   refuse_mistaken_files(config);
-  require_given({{!config.footprints.empty() || config.terrain_only, "footprints",
-                  "a vector file with building footprints, or add terrain_only"},
-                 {!config.footprints.empty() || !config.points.empty() || !config.dtm.empty() ||
-                      !config.dsm.empty(),
-                  "points", "LAS or LAZ files or a folder of them, or rasters with dtm or dsm"},
-                 {!config.out.empty(), "out", "a folder for the results"}});
+  const bool has_outlines = !config.footprints.empty() || !config.planned.empty();
+  require_given(
+      {{has_outlines || config.terrain_only, "footprints",
+        "a vector file with building footprints, or add terrain_only"},
+       {has_outlines || !config.points.empty() || !config.dtm.empty() || !config.dsm.empty(),
+        "points", "LAS or LAZ files or a folder of them, or rasters with dtm or dsm"},
+       {!config.out.empty(), "out", "a folder for the results"}});
 }
 
 /// Results never replace what the run reads.
@@ -180,7 +181,10 @@ std::vector<std::string> input_files(const Config& config) {
     if (std::string file = parse_refine(entry).file; !file.empty()) files.push_back(file);
   for (const std::string& entry : config.surface_layers)
     files.push_back(parse_surface_layer(entry).file);
-  for (const std::string& entry : config.canopies) files.push_back(parse_canopies(entry).file);
+  for (const auto& [setting, entries] :
+       {std::pair("planned", &config.planned), std::pair("canopies", &config.canopies)})
+    for (const std::string& entry : *entries)
+      files.push_back(parse_file_and_attribute(setting, entry).file);
   return files;
 }
 

@@ -29,7 +29,8 @@ TEST(CityModel, FlagsHaveTheNamesThatFilesAndReportsState) {
                                {kRepaired, "repaired"},
                                {kClipped, "clipped"},
                                {kRoofFromFloors, "roof_from_floors"},
-                               {kDefaultHeight, "default_height"}};
+                               {kDefaultHeight, "default_height"},
+                               {kPlanned, "planned"}};
   std::uint32_t all = 0;
   std::vector<std::string> names;
   for (const auto& [flag, name] : table) {
@@ -43,7 +44,7 @@ TEST(CityModel, FlagsHaveTheNamesThatFilesAndReportsState) {
 }
 
 TEST(CityModel, FlagsComeBackFromTheirNamesInAnyOrder) {
-  constexpr std::uint32_t kFlagSets = 1U << 11;
+  constexpr std::uint32_t kFlagSets = 1U << 12;
   for (std::uint32_t flags = 0; flags < kFlagSets; ++flags) {
     const std::vector<std::string> names = flag_names(flags);
     EXPECT_EQ(flags_from_names(names), flags);

@@ -320,6 +320,21 @@ def check_rose(program, folder):
             assert math.isclose(float(found), windy, rel_tol=1e-4), row
         assert row[8] == "ABCDE"[sum(float(row[6]) > most for most in (0.025, 0.05, 0.1, 0.2))], row
     assert (moved / "above.png").exists() and (moved / "comfort.png").exists()
+    # Another city, whose second point is windy.
+    other = moved.with_name("other")
+    shutil.copytree(moved, other, symlinks=True)
+    path = other / "w240/postProcessing/pedestrian/2/grid_U.xy"
+    path.write_text(path.read_text().replace("1 5 0 1.5 0", "1 5 0 9 0"))
+    run(sys.executable, other / "rose.py")
+    means = [[float(row["mean_speed"]) for row in csv.DictReader((folder / "rose.csv").read_text().splitlines())] for folder in (moved, other)]
+    said = run(sys.executable, moved / "rose.py", "--against", other)
+    assert means[0][0] == means[1][0] and means[0][1] < means[1][1], means
+    rms = abs(means[0][1] - means[1][1]) / math.sqrt(2)
+    assert f"2 points in both: mean {sum(means[0]) / 2:.2f} instead of {sum(means[1]) / 2:.2f} m/s" in said and f"differences {rms:.2f} m/s" in said, said
+    assert "slower: 50.0 %" in said and "comfort: better at 50.0 % of the points, worse at 0.0 %" in said, said
+    assert (moved / "against.png").read_bytes().startswith(b"\x89PNG")
+    done = subprocess.run([sys.executable, moved / "rose.py", "--against", folder], capture_output=True, text=True)
+    assert done.returncode != 0 and "rose.csv: No such file" in done.stderr and done.stderr.count("\n") == 1, done
     # A case that replaces another is not solved yet.
     (moved / "w030/3000").mkdir()
     run(program, "case", "openfoam", moved, *several[:1], 7, *several[2:], "--overwrite")
@@ -328,6 +343,13 @@ def check_rose(program, folder):
         assert left == {"0", "constant", "system", "Allrun"} | ({"3000"} if wind == "w030" else set()), left
     done = subprocess.run([sys.executable, moved / "rose.py"], capture_output=True, text=True)
     assert done.returncode != 0 and "no wind is solved yet" in done.stderr, done
+
+
+def samples(case):
+    """{(x, y): speed} of the pedestrian points of the only time."""
+    (path,) = case.glob("postProcessing/pedestrian/*/*")
+    rows = [list(map(float, line.split())) for line in path.read_text().splitlines() if not line.startswith("#")]
+    return {(x, y): math.hypot(*u) for x, y, _, *u in rows}
 
 
 def check_openfoam(program, folder):
@@ -357,6 +379,20 @@ def check_openfoam(program, folder):
         assert int(found[1]) == json.loads((case / "report.json").read_text())["volume_mesh"]["cells"]
         assert all(map(math.isfinite, u))
     assert all(math.isclose(a, b, rel_tol=0.02) for a, b in zip(figures[1], figures.get(2, figures[1]))), figures
+    # Against itself, and as if it lay two metres to the east.
+    other = folder / "other"
+    shutil.copytree(case, other, symlinks=True)
+    script = (other / "wind.py").read_text()
+    (other / "wind.py").write_text(re.sub(r"ORIGIN = (\S+),", lambda found: f"ORIGIN = {float(found[1]) + 2},", script, count=1))
+    for against, same in (case, True), (other, False):
+        said = run(sys.executable, case / "wind.py", case, "--against", against)
+        points, mean, before, rms, like = map(float, re.search(
+            r"against\s+(\d+) points in both: mean (\S+) instead of (\S+) m/s, .* (\S+) m/s, correlation (\S+)\n", said).groups())
+        assert (points == len(samples(case))) == same and (rms == 0 and like == 1 and mean == before) == same, said
+        if not same:
+            here = samples(case)
+            pairs = [(u, here[p[0] - 2, p[1]]) for p, u in here.items() if (p[0] - 2, p[1]) in here]
+            assert points == len(pairs) and math.isclose(rms, math.sqrt(sum((a - b)**2 for a, b in pairs) / len(pairs)), abs_tol=0.006), said
     control = case / "system/controlDict"
     control.write_text(re.sub(r"\b(endTime|writeInterval) .*", r"\1 27;", control.read_text()))
     said = run(case / "Allrun", "continue", *([2] if 2 in figures else []), env=environment)

@@ -287,7 +287,60 @@ def settings(folder, out):
             assert len(city.buildings) == kept and city.warnings["measured_ground"]["count"] == 1, city.warnings
 
 
+def planned(folder, out):
+    """What is planned stands where it is drawn, as high as it is stated; what is there makes way."""
+    (out / "in").mkdir(parents=True)
+
+    def write(name, boxes):
+        features = [{"type": "Feature", "properties": p, "geometry": {"type": "Polygon", "coordinates": [
+            [[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]]]}} for (x0, y0, x1, y1), p in boxes]
+        (out / "in" / name).write_text(json.dumps({"type": "FeatureCollection", "features": features,
+                                                   "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32631"}}}))
+        return out / "in" / name
+
+    stand = {"replaced": (0, 0, 20, 20), "cut": (40, 0, 60, 20), "torn_down": (80, 0, 100, 20), "split": (120, 0, 160, 10),
+             "beside": (180, 0, 200, 20), "far": (220, 40, 240, 60)}
+    there = write("there.geojson", [(box, {"name": name}) for name, box in stand.items()])
+    plan = write("plan.geojson", [((0, 0, 20, 20), {"height": 30}), ((55, -5, 65, 25), {"height": 12}), ((79, -1, 101, 21), {"height": 0}),
+                                  ((138, -5, 142, 15), {"height": 21}), ((200, 0, 215, 20), {"height": 40})])
+    roofs = lambda x, y: any(x0 < x < x1 and y0 < y < y1 for x0, y0, x1, y1 in stand.values())
+    cloud = out / "in/points.xyz"
+    cloud.write_text("".join(f"{x} {y} {9 if roofs(x, y) else 1}\n" for x in range(-40, 280) for y in range(-40, 100)))
+    common = ["--footprints", there, "--points", cloud, "--id-attribute", "name", "--bounds", "-30,-30,270,90"]
+    run(out / "before", *common)
+    run(out / "after", *common, "--planned", plan, command="build")
+    before, after = City(out / "before"), City(out / "after")
+    assert set(before.buildings) == set(stand) and not before.account["replaced"]
+    assert after.dropped["replaced"] == "makes way for planned:0" and after.dropped["torn_down"] == "makes way for planned:2", after.dropped
+    assert set(after.dropped) == {"replaced", "torn_down", "planned:2"} and after.account["replaced"] == 3
+    expected = {"cut": (300, 8), "split": (180, 8), "split#2": (180, 8), "beside": (400, 8), "far": (400, 8), "planned:0": (400, 30),
+                "planned:1": (300, 12), "planned:3": (80, 21), "planned:4": (300, 40)}
+    assert set(after.buildings) == set(expected), after.buildings
+    for name, (size, height) in expected.items():
+        near(after.buildings[name]["area"], size, 1e-3)
+        near(after.buildings[name]["height"], height, 0.01)
+        assert ("planned" in after.buildings[name]["flags"]) == name.startswith("planned"), after.buildings[name]
+    assert (out / "before/dtm.tif").read_bytes() == (out / "after/dtm.tif").read_bytes()
+    parts = {}  # of roofs of the blocks into which plan and stock are merged
+    for item in json.loads((out / "after/city.city.json").read_text())["CityObjects"].values():
+        for surface in item["geometry"][-1]["semantics"]["surfaces"] if item["attributes"].get("n_parts") else []:
+            if surface["type"] == "RoofSurface":
+                parts.setdefault(surface["source_id"], []).append(surface)
+    assert {"beside", "planned:4"} <= set(parts), parts
+    message = after.warnings["planned"]["message"]
+    assert message == "buildings: 4, areas to be cleared: 1; footprints that make way: 2, that are cut: 2", message
+    # A block has the mean height; a plan without heights is refused; a plan alone makes a city.
+    run(out / "block", *common, "--planned", plan, "--lod", "block")
+    merged = City(out / "block", "city.city.json").buildings["planned:4"]
+    near(merged["height"], (400 * 8 + 300 * 40) / 700, 0.01)
+    told = run(out / "refused", *common, "--planned", there, code=3)
+    assert "feature replaced states no height" in told and "there.geojson" in told and told.count("\n") == 1, told
+    run(out / "alone", "--planned", plan)
+    assert City(out / "alone").heights() == {"planned:0": 30, "planned:1": 12, "planned:3": 21, "planned:4": 40}
+
+
 CASES = {
+    "planned": planned,
     "settings": settings,
     "01-citygml-building-parts": citygml_building_parts,
     "02-citygml-relief-as-building": citygml_relief_as_building,
@@ -308,7 +361,7 @@ CASES = {
 def main():
     case = sys.argv[2]
     folder = (REPORTS if case[0].isdigit() else DATA) / case
-    if not folder.is_dir() and case != "settings":
+    if not folder.is_dir() and case not in ("planned", "settings"):
         print(f"skipped: {folder} is not there")
         return 77
     with tempfile.TemporaryDirectory() as scratch:

@@ -21,16 +21,16 @@ inline constexpr std::array<std::string_view, 2> kFoamDialectNames = {"com", "or
 struct OpenfoamCaseOptions {
   Wind wind;
   FoamDialect dialect = FoamDialect::kCom;
-  double ground_roughness = 0.03;  ///< Of the ground among the buildings and one height of the
-                                   ///< highest around them [m]; 0: that of the wind.
+  double ground_roughness = 0.03;  ///< Of the ground in the town (write_openfoam) [m]; 0: that of
+                                   ///< the wind.
   /// Of patches of the ground by their name [m], > 0; of others as said above.
   std::map<std::string, double> patch_roughness = {
       {"water", 0.0002}, {"road", 0.005}, {"vegetation", 0.1}};
   double building_roughness = 0.01;  ///< Of roofs and walls [m]; 0: smooth.
   double leaf_drag = 0.2;            ///< Drag coefficient Cd of leaves in canopies.
   bool leaf_turbulence = true;       ///< Whether they make and destroy turbulence, too (kCom).
-  double sample_height = 1.75;       ///< Where people feel the wind, above the ground [m], among
-                                     ///< the buildings and one height of the highest around them.
+  double sample_height = 1.75;       ///< Where people feel the wind, above the ground [m], in the
+                                     ///< town.
   double sample_spacing = 2;         ///< Of the points there [m], or more: 400,000 points at most.
   int iterations = 500;    ///< At most; residuals below 1e-4 (p: 2e-4, U: 1e-3) end the run before.
   bool overwrite = false;  ///< Whether a case that is there is replaced.

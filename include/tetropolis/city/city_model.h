@@ -24,9 +24,10 @@ enum BuildingFlag : std::uint32_t {
   kConvexHull = 1U << 6,            ///< Simplification had to fall back to a hull.
   kRepaired = 1U << 7,              ///< Rings were invalid and have been repaired, or
                                     ///< simplification moved the outline (simplify.h).
-  kClipped = 1U << 8,               ///< Cut at the domain boundary.
+  kClipped = 1U << 8,               ///< Cut: by the domain or a planned building.
   kRoofFromFloors = 1U << 9,        ///< Height from a number of floors.
   kDefaultHeight = 1U << 10,        ///< Nothing stated: the default height.
+  kPlanned = 1U << 11,              ///< A planned building, or one that is merged with others.
 };
 
 /// The flags' names in files and reports, in bit order ("ground_from_dtm", ...).
@@ -105,10 +106,11 @@ enum class DropCause : std::uint8_t {
   kTooNarrow,     ///< Nowhere as wide as the distance that walls have to keep.
   kNotABuilding,  ///< Below ground or not built: by attributes, or as ground was measured in it.
   kOutlined,      ///< An outline for which its parts stand.
+  kReplaced,      ///< A planned building stands there, or nothing is to.
 };
 
 /// The name in files: "unusable", "outside", "boundary", "too_small", "too_narrow", "no_building",
-/// "outlined".
+/// "outlined", "replaced".
 const char* name_of(DropCause cause);
 
 /// The reason of those that are `DropCause::kOutside`.

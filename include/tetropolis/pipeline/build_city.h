@@ -96,7 +96,7 @@ struct InputFacts {
   std::int64_t footprints_unlisted = 0;  ///< FootprintsInput::unlisted.
 };
 
-/// What became of the footprints: the counts from `kept` to `outlined` add up to `features` and
+/// What became of the footprints: the counts from `kept` to `replaced` add up to `features` and
 /// `further_parts`.
 struct FootprintAccount {
   std::int64_t features = 0;       ///< Of the file.
@@ -111,6 +111,7 @@ struct FootprintAccount {
   std::int64_t too_narrow = 0;
   std::int64_t no_building = 0;
   std::int64_t outlined = 0;
+  std::int64_t replaced = 0;
   std::int64_t unlisted = 0;  ///< Of `outside` again: those that are not in CityFacts::dropped.
 };
 

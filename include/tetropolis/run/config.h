@@ -28,6 +28,7 @@ enum class SynthRoofs { kFlat, kSloped };
 struct Config {
   // Input.
   std::vector<std::string> footprints;
+  std::vector<std::string> planned;
   std::vector<std::string> points;
   std::string city;
   std::vector<std::string> dtm;

@@ -50,7 +50,7 @@ bool VolumeFiles::write(std::string_view format, const std::filesystem::path& pa
   else if (format == "su2")
     write_su2(path, mesh_, patches, placement, progress);
   else if (format == "openfoam")
-    write_openfoam(path, mesh_, patches, placement, progress, named);
+    write_openfoam(path, mesh_, patches, placement, progress, named, buildings_);
   else
     return false;
   return true;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -16,7 +17,7 @@
 #include "tetropolis/core/error.h"
 
 #include "column_output.h"
-#include "geometry/town.h"
+#include "core/infinity.h"
 #include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
 #include "write_internal_faces.h"
@@ -56,9 +57,12 @@ std::string header(std::string_view format, std::string_view type, std::string_v
 void begin_list(AtomicFile& file, std::size_t size) { file.write(fmt::format("{}\n(", size)); }
 void end_list(AtomicFile& file) { file.write(")\n"); }
 
-void write_points(AtomicFile& file, const ColumnMesh& mesh, const Placement& placement) {
-  const std::string note =
+void write_points(AtomicFile& file, const ColumnMesh& mesh, const Placement& placement,
+                  const Bounds2& town) {
+  std::string note =
       fmt::format("origin {} {} {}", placement.origin[0], placement.origin[1], placement.origin[2]);
+  const Bounds2 at = town.moved({placement.shift[0], placement.shift[1]});
+  if (!town.empty()) note += fmt::format(" town {} {} {} {}", at.xmin, at.ymin, at.xmax, at.ymax);
   file.write(header("binary", "vectorField", "points", note));
   begin_list(file, static_cast<std::size_t>(mesh.node_count()));
   const auto bytes = static_cast<std::uint64_t>(mesh.node_count()) * 3 * sizeof(double);
@@ -69,23 +73,38 @@ void write_points(AtomicFile& file, const ColumnMesh& mesh, const Placement& pla
   end_list(file);
 }
 
+Bounds2 town_of(const SurfaceMesh& surface, std::span<const Building> buildings) {
+  Bounds2 box = Bounds2::nothing();
+  double low = kInfinity;
+  // Of the highest that stands, so that a plan leaves the town as it is.
+  double standing = -kInfinity, planned = -kInfinity;
+  for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
+    if (!surface.patch_of(i).of_building()) continue;
+    const auto b = static_cast<std::size_t>(surface.building[i].value());
+    const bool is_planned = b < buildings.size() && (buildings[b].flags & kPlanned) != 0;
+    for (const std::int32_t p : surface.triangles[i]) {
+      const auto& corner = surface.points[static_cast<std::size_t>(p)];
+      box.extend(Point2{corner[0], corner[1]});
+      low = std::min(low, corner[2]);
+      double& high = is_planned ? planned : standing;
+      high = std::max(high, corner[2]);
+    }
+  }
+  return box.empty() ? box : box.grown((standing > low ? standing : planned) - low);
+}
+
 /// The boundary faces as they are written: those of the open ground within the town come first, so
 /// that a case can make the others a patch of their own.
-std::vector<std::size_t> order_of_faces(const SurfaceMesh& surface) {
+std::vector<std::size_t> order_of_faces(const SurfaceMesh& surface, const Bounds2& town) {
   const SurfaceFaces faces(surface);
-  Town town;
-  for (std::size_t i = 0; i < surface.triangles.size(); ++i)
-    if (surface.patch_of(i).of_building())
-      for (const std::int32_t p : surface.triangles[i])
-        town.add(surface.points[static_cast<std::size_t>(p)]);
-  const auto is_in_town = [&, box = town.bounds()](std::size_t f) {
+  const auto is_in_town = [&](std::size_t f) {
     Point2 centre;
     for (const std::int32_t p : surface.triangles[faces.triangle(f)]) {
       const auto& corner = surface.points[static_cast<std::size_t>(p)];
       centre.x += corner[0] / 3;
       centre.y += corner[1] / 3;
     }
-    return box.contains(centre);
+    return town.contains(centre);
   };
   std::vector<std::size_t> order(faces.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -242,11 +261,13 @@ Sizes count_faces(const std::filesystem::path& folder, const ColumnMesh& mesh,
 
 void write_openfoam(const std::filesystem::path& folder, const ColumnMesh& mesh,
                     const SurfaceMesh& surface, const Placement& placement,
-                    const Progress& progress, const CellZones& zones) {
+                    const Progress& progress, const CellZones& zones,
+                    std::span<const Building> buildings) {
   require_boundary_of(mesh, surface);
   const CellFaces cells(mesh);
   const Sizes sizes = count_faces(folder, mesh, cells, surface);
-  const std::vector<std::size_t> order = order_of_faces(surface);
+  const Bounds2 town = town_of(surface, buildings);
+  const std::vector<std::size_t> order = order_of_faces(surface, town);
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw_cannot_write(folder, error.message());
@@ -256,7 +277,7 @@ void write_openfoam(const std::filesystem::path& folder, const ColumnMesh& mesh,
   AtomicFile owner(folder / "owner");
   AtomicFile neighbour(folder / "neighbour");
   AtomicFile boundary(folder / "boundary");
-  write_points(points, mesh, placement);
+  write_points(points, mesh, placement, town);
   write_faces(faces, mesh, cells, surface, order, sizes, portion(progress, 0.1, 0.5));
   write_owner(owner, mesh, cells, surface, order, sizes, portion(progress, 0.5, 0.75));
   write_neighbour(neighbour, mesh, cells, sizes, portion(progress, 0.75, 1));

@@ -56,47 +56,47 @@ void append_attributes(std::vector<AttributeColumn>& to, std::vector<AttributeCo
   }
 }
 
+std::size_t rows_of(const FootprintsInput& input) {
+  return input.attributes.empty() ? std::size_t{0} : input.attributes.front().known.size();
+}
+
 }  // namespace
+
+void prefix_ids(const std::string& prefix, FootprintsInput& input) {
+  for (Footprint& feature : input.features) feature.source_id.insert(0, prefix);
+  for (UnusableFootprint& feature : input.dropped) feature.source_id.insert(0, prefix);
+}
+
+void append_footprints(FootprintsInput input, FootprintsInput& all) {
+  if (!all.crs.empty() && !input.crs.empty() && !same_horizontal_crs(all.crs, input.crs))
+    reproject_footprints(input, all.crs);
+  const std::size_t rows = rows_of(all);
+  append_attributes(all.attributes, std::move(input.attributes), rows);
+  for (Footprint& feature : input.features) {
+    if (feature.feature >= 0) feature.feature += static_cast<std::int64_t>(rows);
+    all.features.push_back(std::move(feature));
+  }
+  for (UnusableFootprint& feature : input.dropped) {
+    if (feature.feature >= 0) feature.feature += static_cast<std::int64_t>(rows);
+    all.dropped.push_back(std::move(feature));
+  }
+  all.features_read += input.features_read;
+  all.unlisted += input.unlisted;
+  if (!input.bounds.empty()) all.bounds.extend(input.bounds);
+  all.warnings.insert(all.warnings.end(), input.warnings.begin(), input.warnings.end());
+}
 
 FootprintsInput merge_footprints(std::vector<FootprintsInput> inputs,
                                  const std::vector<fs::path>& paths) {
-  FootprintsInput all = std::move(inputs.front());
   std::map<std::string, int> names;
-  const auto rename = [&](FootprintsInput& input, const fs::path& path) {
-    std::string name = path.stem().string();
+  for (std::size_t f = 0; f < inputs.size(); ++f) {
+    std::string name = paths[f].stem().string();
     if (const int times = ++names[name]; times > 1) name += fmt::format("~{}", times);
-    for (Footprint& feature : input.features) feature.source_id = name + ":" + feature.source_id;
-    for (UnusableFootprint& feature : input.dropped)
-      feature.source_id = name + ":" + feature.source_id;
-  };
-  rename(all, paths.front());
-  all.source = fmt::format("{}, and {} more", all.source, inputs.size() - 1);
-  const auto rows_of = [](const FootprintsInput& input) {
-    return input.attributes.empty() ? std::size_t{0} : input.attributes.front().known.size();
-  };
-  std::size_t rows = rows_of(all);
-  for (std::size_t f = 1; f < inputs.size(); ++f) {
-    FootprintsInput& input = inputs[f];
-    rename(input, paths[f]);
-    if (!all.crs.empty() && !input.crs.empty() && !same_horizontal_crs(all.crs, input.crs))
-      reproject_footprints(input, all.crs);
-    const auto by = static_cast<std::int64_t>(rows);
-    const std::size_t added = rows_of(input);
-    append_attributes(all.attributes, std::move(input.attributes), rows);
-    rows += added;
-    for (Footprint& feature : input.features) {
-      if (feature.feature >= 0) feature.feature += by;
-      all.features.push_back(std::move(feature));
-    }
-    for (UnusableFootprint& feature : input.dropped) {
-      if (feature.feature >= 0) feature.feature += by;
-      all.dropped.push_back(std::move(feature));
-    }
-    all.features_read += input.features_read;
-    all.unlisted += input.unlisted;
-    if (!input.bounds.empty()) all.bounds.extend(input.bounds);
-    all.warnings.insert(all.warnings.end(), input.warnings.begin(), input.warnings.end());
+    prefix_ids(name + ":", inputs[f]);
   }
+  FootprintsInput all = std::move(inputs.front());
+  if (inputs.size() > 1) all.source = fmt::format("{}, and {} more", all.source, inputs.size() - 1);
+  for (std::size_t f = 1; f < inputs.size(); ++f) append_footprints(std::move(inputs[f]), all);
   return all;
 }
 

@@ -20,6 +20,13 @@ inline constexpr std::array<std::string_view, 22> kVectorEndings{
     ".parquet",    ".dxf",  ".city.json", ".city.jsonl"};
 inline constexpr FileKind kVectorFiles{"vector files", kVectorEndings};
 
+/// Puts it before the ids of all features.
+void prefix_ids(const std::string& prefix, FootprintsInput& input);
+
+/// Adds features, attributes (of one name and type: one column) and warnings to those of `all`, and
+/// reprojects them to its system if both are known. Precondition: no ids in common.
+void append_footprints(FootprintsInput input, FootprintsInput& all);
+
 /// All features in the order of the inputs, with ids "FILE:ID", where FILE is the name of the file
 /// without its ending (with "~2", ... where two have the same). Attributes of one name and type are
 /// one column. Systems other than that of the first are reprojected to it.

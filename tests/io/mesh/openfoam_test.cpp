@@ -1,10 +1,14 @@
 #include "tetropolis/io/mesh/openfoam.h"
 
+#include <algorithm>
+#include <array>
 #include <sstream>
 #include <tuple>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "core/infinity.h"
 #include "mesh_bytes.h"
 #include "support/test_data.h"
 
@@ -161,7 +165,51 @@ TEST_F(OpenFoam, PointsAreThoseOfTheVolume) {
   const FoamMesh mesh = write_and_read();
   EXPECT_EQ(mesh.points, testing::explicit_mesh(city.city.mesh, city.placement.shift).points);
   EXPECT_NE(mesh.points_header.find("arch        \"LSB;label=32;scalar=64\";"), std::string::npos);
-  EXPECT_NE(mesh.points_header.find("note        \"origin 319000 6396000 0\";"), std::string::npos);
+  EXPECT_NE(mesh.points_header.find("note        \"origin 319000 6396000 0 town "),
+            std::string::npos);
+}
+
+TEST_F(OpenFoam, TownIsWiderByTheHeightOfWhatStands) {
+  const SurfaceMesh& boundary = city.boundary;
+  std::vector<Building> buildings;
+  std::vector<double> tops;
+  std::array<double, 4> box{kInfinity, kInfinity, -kInfinity, -kInfinity};
+  double low = kInfinity;
+  for (std::size_t i = 0; i < boundary.triangles.size(); ++i) {
+    if (boundary.patch[i] != Patch::kRoof && boundary.patch[i] != Patch::kWall) continue;
+    const auto b = static_cast<std::size_t>(boundary.building[i].value());
+    buildings.resize(std::max(buildings.size(), b + 1));
+    tops.resize(buildings.size(), -kInfinity);
+    for (const std::int32_t v : boundary.triangles[i]) {
+      const auto& p = boundary.points[static_cast<std::size_t>(v)];
+      box = {std::min(box[0], p[0]), std::min(box[1], p[1]), std::max(box[2], p[0]),
+             std::max(box[3], p[1])};
+      low = std::min(low, p[2]);
+      tops[b] = std::max(tops[b], p[2]);
+    }
+  }
+  const auto tallest = std::max_element(tops.begin(), tops.end());
+  const auto town = [&](double height) {
+    const auto& shift = city.placement.shift;
+    return std::array{box[0] - height + shift[0], box[1] - height + shift[1],
+                      box[2] + height + shift[0], box[3] + height + shift[1]};
+  };
+  const auto written = [&] {
+    write_openfoam(folder / "mesh", city.city.mesh, boundary, city.placement, {}, {}, buildings);
+    const std::string header = read_foam(folder / "mesh").points_header;
+    std::istringstream words(header.substr(header.find(" town ") + 6));
+    std::array<double, 4> numbers{};
+    for (double& number : numbers) words >> number;
+    return numbers;
+  };
+  const auto expect = [&](double height) {
+    const std::array<double, 4> found = written(), expected = town(height);
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(found[i], expected[i], 1e-9) << i;
+  };
+  expect(*tallest - low);
+  buildings[static_cast<std::size_t>(tallest - tops.begin())].flags = kPlanned;
+  *tallest = -kInfinity;
+  expect(*std::max_element(tops.begin(), tops.end()) - low);
 }
 
 TEST_F(OpenFoam, FacesAreThoseFoundBySorting) {

@@ -53,6 +53,7 @@ export interface FlagStyle {
 
 /** Most serious first: a building has the colour of the first one that it has. */
 export const kFlagStyles: readonly FlagStyle[] = [
+  {name: 'planned', colour: rgb('#2f6f9f'), label: 'planned'},
   {name: 'no_roof_points', colour: rgb('#c0392f'), label: 'no roof points'},
   {name: 'default_height', colour: rgb('#d4568b'), label: 'default height'},
   {name: 'roof_from_floors', colour: rgb('#c98a5e'), label: 'roof from floors'},
@@ -61,7 +62,7 @@ export const kFlagStyles: readonly FlagStyle[] = [
   {name: 'ground_from_dtm', colour: rgb('#8f9c3a'), label: 'ground from terrain'},
   {name: 'roof_from_unclassified', colour: rgb('#3f9c78'), label: 'roof by exclusion'},
   {name: 'convex_hull', colour: rgb('#a0559b'), label: 'convex hull'},
-  {name: 'clipped', colour: rgb('#6a5fc1'), label: 'clipped at the boundary'},
+  {name: 'clipped', colour: rgb('#6a5fc1'), label: 'clipped'},
   {name: 'repaired', colour: rgb('#4a86c5'), label: 'repaired'},
   {name: 'merged', colour: rgb('#86a9c9'), label: 'merged'},
 ];

@@ -5,7 +5,9 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 
+#include "tetropolis/city/city_model.h"
 #include "tetropolis/core/progress.h"
 #include "tetropolis/io/file/placement.h"
 #include "tetropolis/volume/cell_zones.h"
@@ -23,7 +25,10 @@ namespace tetropolis {
 /// `surface`, patch by patch in its order, normals leaving the air. All of surface.patches are
 /// there, in their order and even without faces, so one set of boundary conditions serves every
 /// city; solid ones (ground, roof, wall) have the type `wall`, the others `patch`.
-/// Placement::origin is the `note` in the header of points.
+/// The `note` in the header of points has Placement::origin and the town: the box of the buildings,
+/// wider by the height of the highest roof above the lowest ground at a wall, without those roofs
+/// of `buildings` (which surface.building counts) that are planned. Faces of the ground within the
+/// town are the first of theirs.
 ///
 /// `zones`, if there are any, are written into the file cellZones, even those without cells, each
 /// with the further entries height, base (metres) and leafAreaDensity (1/m), which OpenFOAM skips;
@@ -35,6 +40,7 @@ namespace tetropolis {
 /// has more face corners than a 32-bit label can count (about 350 million cells), Cancelled.
 void write_openfoam(const std::filesystem::path& folder, const ColumnMesh& mesh,
                     const SurfaceMesh& surface, const Placement& placement,
-                    const Progress& progress = {}, const CellZones& zones = {});
+                    const Progress& progress = {}, const CellZones& zones = {},
+                    std::span<const Building> buildings = {});
 
 }  // namespace tetropolis

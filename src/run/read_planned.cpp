@@ -1,0 +1,78 @@
+#include "read_planned.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "tetropolis/core/error.h"
+
+#include "file_and_attribute.h"
+#include "io/file/input_paths.h"
+#include "io/vector/merge_footprints.h"
+#include "io/vector/model_footprints.h"
+
+namespace tetropolis {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+FootprintsInput read_plan(const fs::path& path, const std::string& height_attribute,
+                          ReadFootprintsOptions options) {
+  options.where.clear();
+  options.layer.clear();
+  const std::string crs_of_others = std::exchange(options.source_crs, {});
+  std::vector<std::string> names;
+  if (!is_city_model(path))
+    for (const VectorLayer& layer : list_layers(path))
+      names.insert(names.end(), layer.attributes.begin(), layer.attributes.end());
+  for (std::string* const name :
+       {&options.id_attribute, &options.height_attribute, &options.floors_attribute})
+    if (std::find(names.begin(), names.end(), *name) == names.end()) name->clear();
+  if (!height_attribute.empty()) options.height_attribute = height_attribute;
+  FootprintsInput planned = read_footprints(path, options);
+  if (!planned.crs.empty() || crs_of_others.empty()) return planned;
+  options.source_crs = crs_of_others;
+  return read_footprints(path, options);
+}
+
+}  // namespace
+
+void add_planned(const Config& config, const ReadFootprintsOptions& options,
+                 FootprintsInput& footprints) {
+  if (config.planned.empty()) return;
+  std::vector<fs::path> paths;
+  std::vector<FootprintsInput> all;
+  for (const std::string& entry : config.planned) {
+    const FileAndAttribute given = parse_file_and_attribute("planned", entry);
+    for (const fs::path& path : expand_paths(std::span(&given.file, 1), kVectorFiles)) {
+      paths.push_back(path);
+      all.push_back(read_plan(path, given.attribute, options));
+      FootprintsInput& planned = all.back();
+      for (Footprint& feature : planned.features) {
+        if (!(feature.height >= 0))
+          throw Error(ErrorKind::kInput,
+                      fmt::format("{}: feature {} states no height above ground; give each planned "
+                                  "building one in a column `height` (0: what is to be torn down), "
+                                  "or name the column: {}:COLUMN",
+                                  path.string(), feature.source_id, path.filename().string()));
+        feature.is_planned = true;
+      }
+      // Of a plan nothing is assumed: it is meant to have heights.
+      std::erase_if(planned.warnings, [](const Warning& w) { return w.code == "height_assumed"; });
+    }
+  }
+  FootprintsInput planned =
+      all.size() > 1 ? merge_footprints(std::move(all), paths) : std::move(all.front());
+  prefix_ids("planned:", planned);
+  if (config.footprints.empty())
+    footprints = std::move(planned);
+  else
+    append_footprints(std::move(planned), footprints);
+}
+
+}  // namespace tetropolis
