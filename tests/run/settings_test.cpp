@@ -817,6 +817,7 @@ const std::map<std::string_view, std::string_view>& elsewhere_tested() {
       {"dtm", "Build.CityAndMeshInTwoStepsGiveTheSameMesh"},
       {"layer", "robustness: file_defects_test"},
       {"dsm", "sources_test: 16-no-point-cloud"},
+      {"planned", "sources_test: planned"},
       {"ground_level", "sources_test: settings"},
       {"raster_crs", "sources_test: settings"},
       {"require_grids", "sources_test: 03-osgb-datum-shift"},
