@@ -26,61 +26,60 @@ constexpr double kNoOverlap = 0.01;
 
 bool is_planned(const Building& building) { return (building.flags & kPlanned) != 0; }
 
-/// What stands there once the plan is built.
-class Plan {
- public:
-  explicit Plan(const std::vector<Building>& buildings) {
-    for (const Building& building : buildings) {
-      if (!is_planned(building)) continue;
-      outlines_.push_back(building.footprint);
-      boxes_.push_back(bounds(building.footprint));
-      ids_.push_back(&building.source_ids.front());
-      box_.extend(boxes_.back());
-    }
-  }
-
-  /// The planned outlines that may meet the polygon.
-  std::vector<std::size_t> near(const Polygon& polygon) const {
-    std::vector<std::size_t> found;
-    const Bounds2 box = bounds(polygon);
-    for (std::size_t i = 0; i < boxes_.size() && box.intersects(box_); ++i)
-      if (box.intersects(boxes_[i])) found.push_back(i);
-    return found;
-  }
-
-  const Polygon& outline(std::size_t i) const { return outlines_[i]; }
-  const std::string& id(std::size_t i) const { return *ids_[i]; }
-
- private:
-  std::vector<Polygon> outlines_;
-  std::vector<Bounds2> boxes_;
-  std::vector<const std::string*> ids_;  ///< Of the buildings given, which stay as they are.
-  Bounds2 box_ = Bounds2::nothing();
-};
-
 /// What the plan leaves of a footprint; `by`: which planned building takes most of it, if any does.
 struct Rest {
   std::vector<Polygon> parts;
   const std::string* by = nullptr;
 };
 
-Rest left_of(const Polygon& footprint, const Plan& plan) {
-  Rest rest{{footprint}};
-  double most = kNoOverlap;
-  for (const std::size_t i : plan.near(footprint)) {
-    const double before = total_area(rest.parts);
-    auto left = geos::subtract(rest.parts, std::array{plan.outline(i)}, kCoordinateStep);
-    if (!left) left.emplace();  // GEOS gave up: what is planned goes first
-    const double taken = before - total_area(*left);
-    if (!(taken > kNoOverlap)) continue;
-    rest.parts = std::move(*left);
-    if (taken > most) {
-      most = taken;
-      rest.by = &plan.id(i);
+/// The planned buildings among others, which stay as they are meanwhile.
+class Plan {
+ public:
+  explicit Plan(const std::vector<Building>& buildings) : buildings_(buildings) {
+    for (std::size_t b = 0; b < buildings.size(); ++b) {
+      if (!is_planned(buildings[b])) continue;
+      planned_.push_back(b);
+      boxes_.push_back(bounds(buildings[b].footprint));
+      box_.extend(boxes_.back());
     }
   }
-  return rest;
-}
+
+  /// Of a planned building the higher ones take their share, a tower of its podium; of any other
+  /// all do.
+  Rest left_of(std::size_t b) const {
+    Rest rest{{buildings_[b].footprint}};
+    const Bounds2 box = bounds(buildings_[b].footprint);
+    double most = kNoOverlap;
+    for (std::size_t i = 0; i < planned_.size() && box.intersects(box_); ++i) {
+      if (!box.intersects(boxes_[i]) || !goes_before(planned_[i], b)) continue;
+      const Building& planned = buildings_[planned_[i]];
+      const double before = total_area(rest.parts);
+      auto left = geos::subtract(rest.parts, std::array{planned.footprint}, kCoordinateStep);
+      if (!left) left.emplace();  // GEOS gave up
+      const double taken = before - total_area(*left);
+      if (!(taken > kNoOverlap)) continue;
+      rest.parts = std::move(*left);
+      if (taken > most) {
+        most = taken;
+        rest.by = &planned.source_ids.front();
+      }
+    }
+    return rest;
+  }
+
+ private:
+  bool goes_before(std::size_t planned, std::size_t b) const {
+    if (!is_planned(buildings_[b])) return true;
+    const double own = buildings_[b].attribute_height;
+    const double other = buildings_[planned].attribute_height;
+    return other > own || (other == own && planned < b);
+  }
+
+  const std::vector<Building>& buildings_;
+  std::vector<std::size_t> planned_;
+  std::vector<Bounds2> boxes_;
+  Bounds2 box_ = Bounds2::nothing();
+};
 
 }  // namespace
 
@@ -102,29 +101,26 @@ void make_way_for_planned(double min_area,
   std::int64_t planned = 0, cleared = 0, replaced = 0, cut = 0;
   for (std::size_t b = 0; b < before.size(); ++b) {
     const Building& building = before[b];
-    if (is_planned(building)) {
-      const bool stands = building.attribute_height > 0;
-      ++(stands ? planned : cleared);
-      if (stands)
-        keep(b, building);
-      else
-        drop(building, "nothing is planned to stand there");
+    const bool belongs = is_planned(building);
+    if (belongs && !(building.attribute_height > 0)) {
+      ++cleared;
+      drop(building, "nothing is planned to stand there");
       continue;
     }
-    Rest rest = left_of(building.footprint, plan);
+    planned += belongs ? 1 : 0;
+    Rest rest = plan.left_of(b);
     if (rest.by == nullptr) {
       keep(b, building);
       continue;
     }
-    const double whole = area(building.footprint), left = total_area(rest.parts);
-    if (left > (1 - kReplaced) * whole) rest.parts = clean_parts(std::move(rest.parts), min_area);
-    if (!(left > (1 - kReplaced) * whole) || rest.parts.empty()) {
-      ++replaced;
-      drop(building, fmt::format("makes way for {}", *rest.by));
-      continue;
-    }
-    ++cut;
-    clean.parts += std::ssize(rest.parts) - 1;
+    const double least = belongs ? 0 : (1 - kReplaced) * area(building.footprint);
+    if (total_area(rest.parts) > least)
+      rest.parts = clean_parts(std::move(rest.parts), min_area);
+    else
+      rest.parts.clear();
+    if (!belongs) ++(rest.parts.empty() ? replaced : cut);
+    if (rest.parts.empty()) drop(building, fmt::format("makes way for {}", *rest.by));
+    clean.parts += std::max<std::int64_t>(std::ssize(rest.parts) - 1, 0);
     for (std::size_t k = 0; k < rest.parts.size(); ++k) {
       Building part = building;
       part.flags |= kClipped;

@@ -287,6 +287,16 @@ def settings(folder, out):
             assert len(city.buildings) == kept and city.warnings["measured_ground"]["count"] == 1, city.warnings
 
 
+def elevations_of_roofs(out):
+    """Per footprint, of buildings with several parts."""
+    roofs = {}
+    for item in json.loads((out / "city.city.json").read_text())["CityObjects"].values():
+        for surface in item["geometry"][-1]["semantics"]["surfaces"] if item["attributes"].get("n_parts") else []:
+            if surface["type"] == "RoofSurface":
+                roofs.setdefault(surface["source_id"], set()).add(surface["roof_plane"][2])
+    return roofs
+
+
 def planned(folder, out):
     """What is planned stands where it is drawn, as high as it is stated; what is there makes way."""
     (out / "in").mkdir(parents=True)
@@ -299,36 +309,45 @@ def planned(folder, out):
         return out / "in" / name
 
     stand = {"replaced": (0, 0, 20, 20), "cut": (40, 0, 60, 20), "torn_down": (80, 0, 100, 20), "split": (120, 0, 160, 10),
-             "beside": (180, 0, 200, 20), "far": (220, 40, 240, 60)}
+             "beside": (180, 0, 200, 20), "far": (240, 40, 260, 60)}
     there = write("there.geojson", [(box, {"name": name}) for name, box in stand.items()])
     plan = write("plan.geojson", [((0, 0, 20, 20), {"height": 30}), ((55, -5, 65, 25), {"height": 12}), ((79, -1, 101, 21), {"height": 0}),
-                                  ((138, -5, 142, 15), {"height": 21}), ((200, 0, 215, 20), {"height": 40})])
-    roofs = lambda x, y: any(x0 < x < x1 and y0 < y < y1 for x0, y0, x1, y1 in stand.values())
+                                  ((138, -5, 142, 15), {"height": 21}), ((200, 0, 215, 20), {"height": 40}),
+                                  ((200, 40, 240, 80), {"height": 6}), ((210, 65, 220, 75), {"height": 50}), ((201, 41, 209, 49), {"height": 6})])
+    is_roof = lambda x, y: any(x0 < x < x1 and y0 < y < y1 for x0, y0, x1, y1 in stand.values())
     cloud = out / "in/points.xyz"
-    cloud.write_text("".join(f"{x} {y} {9 if roofs(x, y) else 1}\n" for x in range(-40, 280) for y in range(-40, 100)))
+    cloud.write_text("".join(f"{x} {y} {9 if is_roof(x, y) else 1}\n" for x in range(-40, 280) for y in range(-40, 100)))
     common = ["--footprints", there, "--points", cloud, "--id-attribute", "name", "--bounds", "-30,-30,270,90"]
     run(out / "before", *common)
     run(out / "after", *common, "--planned", plan, command="build")
     before, after = City(out / "before"), City(out / "after")
     assert set(before.buildings) == set(stand) and not before.account["replaced"]
     assert after.dropped["replaced"] == "makes way for planned:0" and after.dropped["torn_down"] == "makes way for planned:2", after.dropped
-    assert set(after.dropped) == {"replaced", "torn_down", "planned:2"} and after.account["replaced"] == 3
+    assert after.dropped["planned:7"] == "makes way for planned:5"  # it lies in a podium as high
+    assert set(after.dropped) == {"replaced", "torn_down", "planned:2", "planned:7"} and after.account["replaced"] == 4
     expected = {"cut": (300, 8), "split": (180, 8), "split#2": (180, 8), "beside": (400, 8), "far": (400, 8), "planned:0": (400, 30),
-                "planned:1": (300, 12), "planned:3": (80, 21), "planned:4": (300, 40)}
+                "planned:1": (300, 12), "planned:3": (80, 21), "planned:4": (300, 40), "planned:5": (1600 - 100, 6), "planned:6": (100, 50)}
     assert set(after.buildings) == set(expected), after.buildings
     for name, (size, height) in expected.items():
         near(after.buildings[name]["area"], size, 1e-3)
         near(after.buildings[name]["height"], height, 0.01)
         assert ("planned" in after.buildings[name]["flags"]) == name.startswith("planned"), after.buildings[name]
     assert (out / "before/dtm.tif").read_bytes() == (out / "after/dtm.tif").read_bytes()
-    parts = {}  # of roofs of the blocks into which plan and stock are merged
-    for item in json.loads((out / "after/city.city.json").read_text())["CityObjects"].values():
-        for surface in item["geometry"][-1]["semantics"]["surfaces"] if item["attributes"].get("n_parts") else []:
-            if surface["type"] == "RoofSurface":
-                parts.setdefault(surface["source_id"], []).append(surface)
-    assert {"beside", "planned:4"} <= set(parts), parts
+    # Roofs of the blocks that plan and stock are merged into; the ground is at 1 m.
+    roofs = elevations_of_roofs(out / "after")
+    assert roofs == {"beside": {9}, "planned:4": {41}, "far": {9}, "planned:5": {7}, "planned:6": {51}, "cut": {9}, "planned:1": {13},
+                     "split": {9}, "split#2": {9}, "planned:3": {22}, "planned:0": {31}}, roofs
     message = after.warnings["planned"]["message"]
-    assert message == "buildings: 4, areas to be cleared: 1; footprints that make way: 2, that are cut: 2", message
+    assert message == "buildings: 7, areas to be cleared: 1; footprints that make way: 2, that are cut: 2", message
+    # A podium of 8 m around a tower of 40 m, over the corner of a shed with few points.
+    island = pathlib.Path(__file__).resolve().parents[2] / "examples/data/delft"
+    podium = out / "in/podium.geojson"
+    podium.write_text(write("podium.geojson", [((84955, 447505, 84985, 447530), {"height": 8}), ((84962, 447510, 84976, 447522), {"height": 40})])
+                      .read_text().replace("32631", "28992"))
+    run(out / "podium", "--footprints", island / "footprints.gpkg", "--points", island / "ahn3.laz", "--planned", podium)
+    ground = City(out / "podium").buildings["planned:1"]["ground"]
+    roofs = elevations_of_roofs(out / "podium")
+    near(*roofs["planned:1"], ground + 40), near(*roofs["planned:0"], 8 + City(out / "podium").buildings["planned:0"]["ground"])
     # A block has the mean height; a plan without heights is refused; a plan alone makes a city.
     run(out / "block", *common, "--planned", plan, "--lod", "block")
     merged = City(out / "block", "city.city.json").buildings["planned:4"]
@@ -336,7 +355,8 @@ def planned(folder, out):
     told = run(out / "refused", *common, "--planned", there, code=3)
     assert "feature replaced states no height" in told and "there.geojson" in told and told.count("\n") == 1, told
     run(out / "alone", "--planned", plan)
-    assert City(out / "alone").heights() == {"planned:0": 30, "planned:1": 12, "planned:3": 21, "planned:4": 40}
+    assert City(out / "alone").heights() == {"planned:0": 30, "planned:1": 12, "planned:3": 21, "planned:4": 40,
+                                                           "planned:5": 6, "planned:6": 50}
 
 
 CASES = {

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -27,25 +28,53 @@ struct BuildingFacts {
   std::vector<double> rmse;  ///< Of its footprints with enough points.
 };
 
-RoofInput input_of(const Building& building, const CityModel& raw, const BuildingPoints& points,
-                   const std::vector<BuildingIndex>& members, const PointCloud& cloud,
-                   const StatedRoofs& stated) {
-  RoofInput input;
-  input.footprint = building.footprint;
-  for (const BuildingIndex m : members) {
-    input.members.push_back(&raw.buildings[m].footprint);
-    std::vector<Point3> list;
-    for (const PointIndex p : points.roof[m]) list.push_back({cloud.x[p], cloud.y[p], cloud.z[p]});
-    const Building& footprint = raw.buildings[m];
-    if (const auto roofs = stated.find(footprint.source_ids.front());
-        list.empty() && roofs != stated.end())
-      list = sample_roofs(roofs->second, footprint.footprint, footprint.h_ground);
-    input.points.push_back(list);
-  }
-  return input;
+bool states_height(const Building& footprint) {
+  constexpr std::uint32_t kStated = kRoofFromAttribute | kRoofFromFloors | kDefaultHeight;
+  return (footprint.flags & kStated) != 0;
 }
 
-void count(const FinishedRoof& roof, const Building& building, Lod wanted, BuildingFacts& result) {
+/// Points of a roof at the stated height.
+std::vector<Point3> sample_level_roof(const Building& footprint) {
+  const Point2 p = footprint.footprint.outer.front();
+  const double height = footprint.h_roof - footprint.h_ground;
+  const StatedRoof level{footprint.footprint,
+                         {p, Point2{p.x + 1, p.y}, Point2{p.x, p.y + 1}},
+                         {height, height, height}};
+  return sample_roofs(std::span(&level, 1), footprint.footprint, footprint.h_ground);
+}
+
+/// The roof of one building to be, and which of its members have points that stand for what is
+/// stated.
+struct Task {
+  RoofInput input;
+  std::vector<bool> is_sampled;
+};
+
+Task task_of(const Building& building, const CityModel& raw, const BuildingPoints& points,
+             const std::vector<BuildingIndex>& members, const PointCloud& cloud,
+             const StatedRoofs& stated) {
+  Task task;
+  task.input.footprint = building.footprint;
+  for (const BuildingIndex m : members) {
+    const Building& footprint = raw.buildings[m];
+    task.input.members.push_back(&footprint.footprint);
+    std::vector<Point3> list;
+    for (const PointIndex p : points.roof[m]) list.push_back({cloud.x[p], cloud.y[p], cloud.z[p]});
+    const auto roofs = stated.find(footprint.source_ids.front());
+    const bool is_stated = list.empty() && roofs != stated.end();
+    const bool is_level =
+        list.empty() && !is_stated && members.size() > 1 && states_height(footprint);
+    if (is_stated) list = sample_roofs(roofs->second, footprint.footprint, footprint.h_ground);
+    if (is_level) list = sample_level_roof(footprint);
+    task.is_sampled.push_back(is_stated || is_level);
+    task.input.is_level.push_back(is_level);
+    task.input.points.push_back(list);
+  }
+  return task;
+}
+
+void count(const FinishedRoof& roof, const Task& task, const Building& building, Lod wanted,
+           BuildingFacts& result) {
   RoofFacts& facts = result.facts;
   for (const FinishedPart& finished : roof.parts) {
     const RoofPart& part = finished.part;
@@ -61,18 +90,9 @@ void count(const FinishedRoof& roof, const Building& building, Lod wanted, Build
     facts.volume_of_blocks += size * (building.h_roof - building.h_ground);
   }
   for (std::size_t m = 0; m < roof.counts.size(); ++m)
-    if (roof.has_fit(m))
+    if (roof.has_fit(m) && !task.is_sampled[m])
       result.rmse.push_back(
           std::sqrt(roof.squared_errors[m] / static_cast<double>(roof.counts[m])));
-}
-
-/// A part without points of a footprint that states a height has that, not the mean of its block.
-void state_height(const Building& footprint, double lowest, FinishedPart& part) {
-  constexpr std::uint32_t kStated = kRoofFromAttribute | kRoofFromFloors | kDefaultHeight;
-  if ((footprint.flags & kStated) == 0 || part.part.n_points > 0 || !part.part.roof.is_flat())
-    return;
-  part.part.roof.elevation = snap_height(std::max(footprint.h_roof, lowest));
-  part.mean_of_roof = part.part.roof.elevation;
 }
 
 /// A roof as good as can be, and the building with its parts.
@@ -82,39 +102,43 @@ struct Attempt {
   bool is_valid = false;
 };
 
-Attempt attempt(const Building& building, const RoofInput& input, const RoofFindings& found,
+Attempt attempt(const Building& building, const Task& task, const RoofFindings& found,
                 const CityModel& raw, const std::vector<BuildingIndex>& members,
                 const RoofOptions& options) {
   Attempt result;
   const double lowest = building.h_ground + options.min_height;
-  result.roof = roof_of_building(input, found, options, building.h_roof, lowest);
+  result.roof = roof_of_building(task.input, found, options, building.h_roof, lowest);
   result.building = building;
   result.building.footprint = result.roof.footprint;
   for (FinishedPart& finished : result.roof.parts) {
-    const Building& footprint = raw.buildings[members[static_cast<std::size_t>(finished.member)]];
-    finished.part.source_id = footprint.source_ids.front();
-    state_height(footprint, lowest, finished);
-    result.building.parts.push_back(finished.part);
+    const auto member = static_cast<std::size_t>(finished.member);
+    RoofPart& part = finished.part;
+    part.source_id = raw.buildings[members[member]].source_ids.front();
+    if (task.is_sampled[member]) {
+      part.n_points = 0;
+      part.rmse = std::numeric_limits<double>::quiet_NaN();
+    }
+    result.building.parts.push_back(part);
   }
   result.is_valid =
       part_defects(std::span(&result.building, 1), options.clearance, options.min_area, 1).empty();
   return result;
 }
 
-BuildingFacts make_roof(Building& building, const RoofInput& input, const CityModel& raw,
+BuildingFacts make_roof(Building& building, const Task& task, const CityModel& raw,
                         const std::vector<BuildingIndex>& members, const RoofOptions& options) {
   BuildingFacts result;
-  const RoofFindings found = find_planes(input, options);
+  const RoofFindings found = find_planes(task.input, options);
   RoofOptions tried = options;
   // What cannot keep its clearance is made with fewer lines: party walls alone, then none.
   for (const Lod lod : {options.lod, Lod::k1_2}) {
     tried.lod = lod;
-    Attempt made = attempt(building, input, found, raw, members, tried);
+    Attempt made = attempt(building, task, found, raw, members, tried);
     if (!made.is_valid) continue;
     result.facts.shared_wall_corners =
         separate_valleys(made.building, options.clearance, options.min_area);
     building = std::move(made.building);
-    count(made.roof, building, options.lod, result);
+    count(made.roof, task, building, options.lod, result);
     result.facts.parts = static_cast<std::int64_t>(building.parts.size());
     for (const RoofPart& part : building.parts) ++result.facts.parts_by_lod[name_of(part.lod)];
     return result;
@@ -151,8 +175,8 @@ RoofFacts make_roofs(CityModel& city, const CityModel& raw, const BuildingPoints
   parallel_chunks(city.buildings.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b) {
       Building& building = city.buildings[b];
-      facts[b] = make_roof(building, input_of(building, raw, points, members[b], cloud, stated),
-                           raw, members[b], options);
+      facts[b] = make_roof(building, task_of(building, raw, points, members[b], cloud, stated), raw,
+                           members[b], options);
       shared.add(1);
     }
   });
