@@ -145,6 +145,10 @@ void write_raster(const fs::path& path, const Raster& raster, Point2 origin, con
   options.SetNameValue("BIGTIFF", "IF_SAFER")
       .SetNameValue("GEOTIFF_VERSION", "1.1")
       .SetNameValue("BLOCKYSIZE", "1");
+  // Heights take longer to compress than to write; level ground does not.
+  const auto is_first = [&](double height) { return height == raster.values.front(); };
+  if (std::all_of(raster.values.begin(), raster.values.end(), is_first))
+    options.SetNameValue("COMPRESS", "DEFLATE");
   gdal::Dataset dataset(GDALCreate(GDALGetDriverByName("GTiff"), memory.path("a.tif").c_str(),
                                    raster.nx, raster.ny, 1, GDT_Float64, options.List()));
   if (dataset == nullptr) throw_cannot_write(path, errors.last());

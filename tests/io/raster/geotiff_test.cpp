@@ -83,6 +83,15 @@ TEST(GeoTiff, RoundTripKeepsEveryBit) {
   }
 }
 
+TEST(GeoTiff, LevelGroundIsSmallInFiles) {
+  const TemporaryFolder folder;
+  Raster raster = random_raster(1000, 1000, 0, 0, 1);
+  std::fill(raster.values.begin(), raster.values.end(), 12.5);
+  write_raster(folder / "level.tif", raster, {}, "EPSG:28992");
+  EXPECT_LT(fs::file_size(folder / "level.tif"), 200'000U);  // of 8 MB
+  EXPECT_TRUE(same_bits(read_raster(folder / "level.tif", {}).raster.values, raster.values));
+}
+
 TEST(GeoTiff, OtherSoftwareSeesTheSame) {
   if (output_of("gdalinfo --version").empty()) GTEST_SKIP() << "needs gdalinfo";
   const TemporaryFolder folder;
