@@ -138,6 +138,7 @@ bool clear_parts(Building& building, double clearance) {
   }
   if (samples.empty()) return false;
   input.points.push_back(samples);
+  input.sources = {RoofSource::kMeasured};
   RegionPoints points(input.points.values, std::vector<double>(samples.size(), step * step),
                       region_of, roofs, bounds(building.footprint), 50, kCap);
   ClearLinesOptions options;

@@ -161,25 +161,29 @@ class Finishing {
   FinishedPart part_of(RoofRegion region, Polygon outline) {
     const RegionRoof& roof = points_.roof(region);
     const std::vector<std::uint32_t> list = points_.points_of(region);
-    std::vector<Point3> inside;
-    for (const std::uint32_t p : list) inside.push_back(input_.points.values[p]);
+    std::vector<Point3> inside, measured;
+    for (const std::uint32_t p : list) {
+      inside.push_back(input_.points.values[p]);
+      if (is_measured(member_of_[p])) measured.push_back(inside.back());
+    }
     FinishedPart finished;
-    finished.member = roof.member;
+    finished.member = measured.size() == list.size() ? roof.member : most_of(list);
     RoofPart& part = finished.part;
     part.outline = std::move(outline);
     part.lod = roof.lod;
-    part.n_points = static_cast<std::int64_t>(inside.size());
+    part.n_points = static_cast<std::int64_t>(measured.size());
     part.rmse = std::numeric_limits<double>::quiet_NaN();
     part.roof = roof.lod == Lod::k2_2 ? sloped(roof.plane, inside, part) : roof.plane;
     raise(part.roof, part.outline, finished);
     part.roof = snap_plane(part.roof);
     finished.mean_of_roof = part.roof(centroid(part.outline));
-    if (!inside.empty()) part.rmse = rmse_of(part.roof, inside);
+    if (!measured.empty()) part.rmse = rmse_of(part.roof, measured);
     double sum = 0, count = 0;
     for (const std::uint32_t p : list) {
       const Point3& point = input_.points.values[p];
       const std::size_t m = member_of_[p];
-      if (distance_to_boundary(*input_.members[m], {point[0], point[1]}) < kRim) continue;
+      if (!is_measured(m) || distance_to_boundary(*input_.members[m], {point[0], point[1]}) < kRim)
+        continue;
       const double d = height_above(part.roof, point);
       result_.squared_errors[m] += d * d;
       result_.flat_squared_errors[m] +=
@@ -190,6 +194,20 @@ class Finishing {
     }
     if (count > 0) finished.mean_above = sum / count;
     return finished;
+  }
+
+  bool is_measured(std::size_t member) const {
+    return input_.sources[member] == RoofSource::kMeasured;
+  }
+
+  /// The member that most of the points are of; of as many, the first.
+  MemberNumber most_of(const std::vector<std::uint32_t>& list) const {
+    std::map<std::size_t, std::size_t> counts;
+    for (const std::uint32_t p : list) ++counts[member_of_[p]];
+    const auto most =
+        std::max_element(counts.begin(), counts.end(),
+                         [](const auto& a, const auto& b) { return a.second < b.second; });
+    return static_cast<MemberNumber>(most->first);
   }
 
   /// A plane whose corners stay near to what points say, or a flat roof where that fits better.

@@ -2,8 +2,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
+#include <map>
 #include <numbers>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -15,8 +16,10 @@
 #include "city/roofs/roof_of_building.h"
 #include "city/roofs/sample_roofs.h"
 #include "city/roofs/separate_valleys.h"
+#include "core/infinity.h"
 #include "core/parallel.h"
 #include "core/shared_progress.h"
+#include "geometry/perimeter.h"
 
 namespace tetropolis {
 
@@ -43,38 +46,32 @@ std::vector<Point3> sample_level_roof(const Building& footprint) {
   return sample_roofs(std::span(&level, 1), footprint.footprint, footprint.h_ground);
 }
 
-/// The roof of one building to be, and which of its members have points that stand for what is
-/// stated.
-struct Task {
+RoofInput input_of(const Building& building, const CityModel& raw, const BuildingPoints& points,
+                   const std::vector<BuildingIndex>& members, const PointCloud& cloud,
+                   const StatedRoofs& stated) {
   RoofInput input;
-  std::vector<bool> is_sampled;
-};
-
-Task task_of(const Building& building, const CityModel& raw, const BuildingPoints& points,
-             const std::vector<BuildingIndex>& members, const PointCloud& cloud,
-             const StatedRoofs& stated) {
-  Task task;
-  task.input.footprint = building.footprint;
+  input.footprint = building.footprint;
   for (const BuildingIndex m : members) {
     const Building& footprint = raw.buildings[m];
-    task.input.members.push_back(&footprint.footprint);
+    input.members.push_back(&footprint.footprint);
     std::vector<Point3> list;
     for (const PointIndex p : points.roof[m]) list.push_back({cloud.x[p], cloud.y[p], cloud.z[p]});
-    const auto roofs = stated.find(footprint.source_ids.front());
-    const bool is_stated = list.empty() && roofs != stated.end();
-    const bool is_level =
-        list.empty() && !is_stated && members.size() > 1 && states_height(footprint);
-    if (is_stated) list = sample_roofs(roofs->second, footprint.footprint, footprint.h_ground);
-    if (is_level) list = sample_level_roof(footprint);
-    task.is_sampled.push_back(is_stated || is_level);
-    task.input.is_level.push_back(is_level);
-    task.input.points.push_back(list);
+    RoofSource source = RoofSource::kMeasured;
+    if (const auto roofs = stated.find(footprint.source_ids.front());
+        list.empty() && roofs != stated.end()) {
+      list = sample_roofs(roofs->second, footprint.footprint, footprint.h_ground);
+      source = RoofSource::kStated;
+    } else if (list.empty() && members.size() > 1 && states_height(footprint)) {
+      list = sample_level_roof(footprint);
+      source = RoofSource::kLevel;
+    }
+    input.points.push_back(list);
+    input.sources.push_back(source);
   }
-  return task;
+  return input;
 }
 
-void count(const FinishedRoof& roof, const Task& task, const Building& building, Lod wanted,
-           BuildingFacts& result) {
+void count(const FinishedRoof& roof, const Building& building, Lod wanted, BuildingFacts& result) {
   RoofFacts& facts = result.facts;
   for (const FinishedPart& finished : roof.parts) {
     const RoofPart& part = finished.part;
@@ -90,7 +87,7 @@ void count(const FinishedRoof& roof, const Task& task, const Building& building,
     facts.volume_of_blocks += size * (building.h_roof - building.h_ground);
   }
   for (std::size_t m = 0; m < roof.counts.size(); ++m)
-    if (roof.has_fit(m) && !task.is_sampled[m])
+    if (roof.has_fit(m))
       result.rmse.push_back(
           std::sqrt(roof.squared_errors[m] / static_cast<double>(roof.counts[m])));
 }
@@ -102,48 +99,72 @@ struct Attempt {
   bool is_valid = false;
 };
 
-Attempt attempt(const Building& building, const Task& task, const RoofFindings& found,
+Attempt attempt(const Building& building, const RoofInput& input, const RoofFindings& found,
                 const CityModel& raw, const std::vector<BuildingIndex>& members,
                 const RoofOptions& options) {
   Attempt result;
   const double lowest = building.h_ground + options.min_height;
-  result.roof = roof_of_building(task.input, found, options, building.h_roof, lowest);
+  result.roof = roof_of_building(input, found, options, building.h_roof, lowest);
   result.building = building;
   result.building.footprint = result.roof.footprint;
   for (FinishedPart& finished : result.roof.parts) {
-    const auto member = static_cast<std::size_t>(finished.member);
-    RoofPart& part = finished.part;
-    part.source_id = raw.buildings[members[member]].source_ids.front();
-    if (task.is_sampled[member]) {
-      part.n_points = 0;
-      part.rmse = std::numeric_limits<double>::quiet_NaN();
-    }
-    result.building.parts.push_back(part);
+    const Building& footprint = raw.buildings[members[static_cast<std::size_t>(finished.member)]];
+    finished.part.source_id = footprint.source_ids.front();
+    result.building.parts.push_back(finished.part);
   }
   result.is_valid =
       part_defects(std::span(&result.building, 1), options.clearance, options.min_area, 1).empty();
   return result;
 }
 
-BuildingFacts make_roof(Building& building, const Task& task, const CityModel& raw,
+/// Square metres by which roofs at stated heights are larger or smaller than the footprints that
+/// state them, beyond what closing gaps explains; 0 where nothing else is in the building.
+double off_stated_heights(const Attempt& made, const RoofInput& input, double clearance) {
+  if (std::count(input.sources.begin(), input.sources.end(), RoofSource::kLevel) ==
+      std::ssize(input.sources))
+    return 0;
+  std::map<double, double> excess;
+  double allowed = 0;
+  for (std::size_t m = 0; m < input.members.size(); ++m) {
+    if (input.sources[m] != RoofSource::kLevel || input.points[m].empty()) continue;
+    excess[snap_height(input.points[m].front()[2])] -= area(*input.members[m]);
+    allowed += perimeter(*input.members[m]) * clearance / 4;
+  }
+  for (const RoofPart& part : made.building.parts)
+    if (const auto at = excess.find(part.roof.elevation); at != excess.end() && part.roof.is_flat())
+      at->second += area(part.outline);
+  double sum = 0;
+  for (const auto& [height, size] : excess) sum += std::abs(size);
+  return std::max(0.0, sum - allowed);
+}
+
+BuildingFacts make_roof(Building& building, const RoofInput& input, const CityModel& raw,
                         const std::vector<BuildingIndex>& members, const RoofOptions& options) {
   BuildingFacts result;
-  const RoofFindings found = find_planes(task.input, options);
+  const RoofFindings found = find_planes(input, options);
   RoofOptions tried = options;
-  // What cannot keep its clearance is made with fewer lines: party walls alone, then none.
+  // What cannot keep its clearance, or does not reach stated heights where they are, is made with
+  // fewer lines: party walls alone, then none.
+  std::optional<Attempt> best;
+  double least = kInfinity;
   for (const Lod lod : {options.lod, Lod::k1_2}) {
     tried.lod = lod;
-    Attempt made = attempt(building, task, found, raw, members, tried);
+    Attempt made = attempt(building, input, found, raw, members, tried);
     if (!made.is_valid) continue;
-    result.facts.shared_wall_corners =
-        separate_valleys(made.building, options.clearance, options.min_area);
-    building = std::move(made.building);
-    count(made.roof, task, building, options.lod, result);
-    result.facts.parts = static_cast<std::int64_t>(building.parts.size());
-    for (const RoofPart& part : building.parts) ++result.facts.parts_by_lod[name_of(part.lod)];
+    const double off = off_stated_heights(made, input, options.clearance);
+    if (off < least) least = off, best = std::move(made);
+    if (least == 0) break;
+  }
+  if (!best) {
+    result.facts.undivided = 1;
     return result;
   }
-  result.facts.undivided = 1;
+  result.facts.shared_wall_corners =
+      separate_valleys(best->building, options.clearance, options.min_area);
+  building = std::move(best->building);
+  count(best->roof, building, options.lod, result);
+  result.facts.parts = static_cast<std::int64_t>(building.parts.size());
+  for (const RoofPart& part : building.parts) ++result.facts.parts_by_lod[name_of(part.lod)];
   return result;
 }
 
@@ -175,8 +196,8 @@ RoofFacts make_roofs(CityModel& city, const CityModel& raw, const BuildingPoints
   parallel_chunks(city.buildings.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b) {
       Building& building = city.buildings[b];
-      facts[b] = make_roof(building, task_of(building, raw, points, members[b], cloud, stated), raw,
-                           members[b], options);
+      facts[b] = make_roof(building, input_of(building, raw, points, members[b], cloud, stated),
+                           raw, members[b], options);
       shared.add(1);
     }
   });

@@ -12,11 +12,18 @@
 
 namespace tetropolis {
 
+/// What points of a member tell.
+enum class RoofSource : std::uint8_t {
+  kMeasured,
+  kStated,  ///< They stand for roofs that the input states,
+  kLevel,   ///< or for its height.
+};
+
 struct RoofInput {
   Polygon footprint;                    ///< Of the building.
   std::vector<const Polygon*> members;  ///< The footprints it is merged from; never empty.
   RaggedArray<Point3> points;           ///< Per member: its roof points.
-  std::vector<bool> is_level;  ///< Per member: its points are of a roof stated to be level.
+  std::vector<RoofSource> sources;      ///< Per member.
 
   /// Points per square metre of a member, 0.05 at least.
   double density(std::size_t member) const {

@@ -32,7 +32,8 @@ RoofFindings find_planes(const RoofInput& input, const RoofOptions& options) {
   if (options.lod != Lod::k1_2)
     parallel_chunks(detected.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t m = begin; m < end; ++m)
-        if (!input.is_level[m]) detected[m] = detect_planes(input.points[m], input.density(m));
+        if (input.sources[m] != RoofSource::kLevel)
+          detected[m] = detect_planes(input.points[m], input.density(m));
     });
   const bool is_one_region = detected.size() == 1 && detected.front().size() <= 1;
   RoofFindings found{make_roof_cells(input, is_one_region ? kInfinity : kCell), {}};
