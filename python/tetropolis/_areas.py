@@ -27,8 +27,11 @@ def _is_pair(value: Any) -> bool:
 def _heights(areas: Any, column: Any, columns: list[Any]) -> dict[str, Any]:
     """Columns of planned buildings: their height if it is given or named, or else all numbers and texts."""
     if column is None:
-        return {str(one): areas[one].array for one in columns
-                if areas[one].dtype.kind in "iuf" or areas[one].map(lambda value: isinstance(value, str)).all()}
+        values = {str(one): areas[one].map(str, na_action="ignore").array for one in columns
+                  if str(areas[one].dtype) != "geometry"}
+        if not values:
+            raise UsageError(f"planned: the areas have no heights; give {TAKE_AREAS['planned']}, or a column height")
+        return values
     if not isinstance(column, str):
         return {"height": np.full(len(areas), float(column))}
     if column not in columns:
@@ -44,7 +47,7 @@ def _write(areas: Any, column: Any, path: str, name: str, crs: str) -> None:
     if not hasattr(areas, "geometry"):
         try:
             areas = geopandas.GeoSeries(np.atleast_1d(np.asarray(areas, dtype=object)), crs=getattr(areas, "crs", None))
-        except TypeError:
+        except (TypeError, ValueError):
             raise UsageError(f"{name}: give files, or {TAKE_AREAS[name]} of a GeoDataFrame or geometries of shapely, "
                              f"not {type(areas).__name__}") from None
     if name in ("refine", "surface_layers") and column is None:

@@ -127,14 +127,21 @@ void add_files_of(const FoamMesh& mesh, const OpenfoamCaseOptions& options,
             "viscosityModel  constant;\nnu              1.5e-05;\n"));
 }
 
-/// What all winds over a mesh share: points and the programs that look at them.
+/// What all winds over a mesh share: points and the programs that look at them. `from`: where the
+/// winds come from, as text.
 void add_shared_files(const FoamMesh& mesh, const OpenfoamCaseOptions& options,
-                      const SamplePoints& samples, std::vector<CaseFile>& files) {
+                      const std::string& from, const SamplePoints& samples,
+                      std::vector<CaseFile>& files) {
+  const std::string wind = fmt::format(
+      "{} m/s at {} m from {}, roughness {} m, in town {} m, of buildings {} m, seen at {} m",
+      options.wind.speed, options.wind.height, from, options.wind.roughness,
+      options.ground_roughness, options.building_roughness, options.sample_height);
   files.emplace_back("system/pedestrian", [&] { return pedestrian_dict(options, samples); });
   files.emplace_back("wind.py",
                      known(replaced(foam_texts::kWindPy,
                                     {{"@SPEED@", fmt::format("{}", options.wind.speed)},
                                      {"@HEIGHT@", fmt::format("{}", options.wind.height)},
+                                     {"@WIND@", wind},
                                      {"@SAMPLE_HEIGHT@", fmt::format("{}", options.sample_height)},
                                      {"@SPACING@", fmt::format("{}", samples.spacing)},
                                      {"@X@", fmt::format("{}", mesh.origin[0])},
@@ -243,7 +250,7 @@ OpenfoamCase write_openfoam_case(const fs::path& folder, const OpenfoamCaseOptio
   const std::vector<LeafMarks> marks = marks_of(options, mesh);
   std::vector<CaseFile> files;
   add_files_of(mesh, options, fields, marks, "pedestrian", "", files);
-  add_shared_files(mesh, options, samples, files);
+  add_shared_files(mesh, options, fmt::format("{} degrees", options.wind.from), samples, files);
   // The last: a folder with it is a whole case.
   files.emplace_back("Allrun", known(allrun(options, "wind.py")));
   if (options.overwrite)
@@ -292,7 +299,7 @@ std::vector<OpenfoamCase> write_openfoam_cases(const fs::path& folder,
   std::vector<FoamFields> fields;
   fields.reserve(winds.size());
   std::vector<CaseFile> files;
-  add_shared_files(mesh, options, samples, files);
+  add_shared_files(mesh, options, names, samples, files);
   for (const OpenfoamCaseOptions& wind : winds) {
     const std::string into = folder_of_wind(wind.wind.from) + "/";
     fields.emplace_back(mesh, places, wind);

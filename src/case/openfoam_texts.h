@@ -169,6 +169,7 @@ import struct
 import zlib
 
 REFERENCE = @SPEED@  # m/s at @HEIGHT@ m
+WIND = "@WIND@"
 SAMPLE_HEIGHT, SPACING = @SAMPLE_HEIGHT@, @SPACING@  # of the points where people are [m]
 ORIGIN = @X@, @Y@  # of the mesh, on the map
 COLOURS = [(48, 18, 59), (70, 107, 227), (27, 208, 213), (122, 252, 98), (249, 186, 57), (240, 91, 18), (122, 4, 3)]
@@ -294,10 +295,19 @@ def compare(folder, values, theirs, most):
     print(f"picture       {folder / 'against.png'}: slower by {most:g} m/s (blue) to faster (red), north up")
 
 
+def script_of(case):
+    """The wind.py of another case, or of the folder of several. Notes what is not alike."""
+    scripts = [path for path in (case / "wind.py", case.parent / "wind.py") if path.exists()]
+    text = scripts[0].read_text() if scripts else ""
+    wind = re.search(r'^WIND = "(.*)"', text, re.M)
+    if wind and wind[1] != WIND:
+        print(f"note          differences are not of the cities alone: {wind[1]} there, {WIND} here")
+    return text
+
+
 def points_of(case):
     """{place on the map: speed} of another case."""
-    scripts = [path for path in (case / "wind.py", case.parent / "wind.py") if path.exists()]
-    found = re.search(r"^ORIGIN = (\S+), (\S+)", scripts[0].read_text(), re.M) if scripts else None
+    found = re.search(r"^ORIGIN = (\S+), (\S+)", script_of(case), re.M)
     points = people(case)
     if not found or not points:
         raise SystemExit(f"--against: {case} is no case that is solved")

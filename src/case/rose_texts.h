@@ -41,7 +41,7 @@ import csv
 import math
 import pathlib
 
-from wind import ORIGIN, SPACING, compare, draw, on_map, people
+from wind import ORIGIN, SPACING, compare, draw, on_map, people, script_of
 
 WINDS = "@WINDS@".split()
 REFERENCE = @SPEED@  # m/s of the undisturbed wind
@@ -182,6 +182,7 @@ def main():
     else:
         show("rose", columns["mean"], 1, "mean of all winds over the undisturbed one, 0 to 1")
     if arguments.against:
+        script_of(arguments.against)
         name, unit = ("mean_speed", 1) if rows else ("mean", REFERENCE)
         try:
             with open(arguments.against / "rose.csv", newline="") as file:

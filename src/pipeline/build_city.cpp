@@ -270,9 +270,8 @@ void forget_roofs_of_planned(const CityModel& raw, BuildingPoints& points) {
   if (std::none_of(raw.buildings.begin(), raw.buildings.end(), is_planned)) return;
   PointLists lists;
   for (std::size_t b = 0; b < points.roof.size(); ++b) {
-    const bool forgets = is_planned(raw.buildings[BuildingIndex(b)]);
-    lists.push_back(forgets ? std::span<const PointIndex>() : points.roof[b]);
-    if (forgets) points.by_exclusion[b] = 0;
+    const bool stands = !is_planned(raw.buildings[BuildingIndex(b)]);
+    lists.push_back(stands ? points.roof[b] : std::span<const PointIndex>());
   }
   points.roof = std::move(lists);
 }
@@ -496,6 +495,7 @@ void merge_buildings(const BuildCityOptions& options, const CityInput& input,
                     input.points.points, result.terrain, options.heights);
     tell_basis(basis, city);
     set_heights_of_planned(raw, simple.members, city);
+    warn_of_plan(input.footprints, raw, city, simple.members, options.lod, result.warnings);
   });
   if (options.lod != Lod::kBlock) {
     result.facts.roofs = clock.run("2.3", "roofs", [&](const Progress& progress) {

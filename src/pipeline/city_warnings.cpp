@@ -4,7 +4,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <set>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -186,6 +189,45 @@ void warn_of_other_heights(const CityModel& raw, std::vector<Warning>& warnings)
                    median, count,
                    feet ? "are they in feet? then set `height_unit` = ft"
                         : "are they heights of another kind or unit, or of another time?")});
+}
+
+void warn_of_plan(const FootprintsInput& footprints, const CityModel& raw, const CityModel& city,
+                  std::span<const std::vector<BuildingIndex>> members, Lod lod,
+                  std::vector<Warning>& warnings) {
+  std::set<std::string_view> planned;
+  for (const Footprint& feature : footprints.features)
+    if (feature.is_planned && feature.height > 0) planned.insert(feature.source_id);
+  if (planned.empty()) return;
+  Warning lost{"planned_left_out", 0, {}};
+  for (const Dropped& dropped : city.dropped)
+    if (dropped.cause != DropCause::kReplaced && planned.contains(dropped.source_id) &&
+        lost.count++ == 0)
+      lost.message = fmt::format("{}: {}", dropped.source_id, dropped.reason);
+  if (lost.count > 0) {
+    lost.message = fmt::format("{} of {} planned buildings are not in the city (the first, {})",
+                               lost.count, planned.size(), lost.message);
+    warnings.push_back(lost);
+  }
+  if (lod != Lod::kBlock) return;
+  constexpr double kMost = 1;  // metres
+  Warning averaged{"planned_averaged", 0, {}};
+  for (std::size_t b = 0; b < members.size(); ++b)
+    for (const BuildingIndex m : members[b]) {
+      const Building& member = raw.buildings[m];
+      const double block = city.buildings[BuildingIndex(b)].h_roof;
+      if ((member.flags & kPlanned) == 0 || std::abs(member.h_roof - block) <= kMost ||
+          averaged.count++ > 0)
+        continue;
+      averaged.message =
+          fmt::format("{}, {:.1f} m high, in one of {:.1f} m", member.source_ids.front(),
+                      member.h_roof - member.h_ground, block - member.h_ground);
+    }
+  if (averaged.count == 0) return;
+  averaged.message = fmt::format(
+      "{} planned buildings are part of blocks of another height (the first, {}); with `lod` = 1.2 "
+      "they keep theirs",
+      averaged.count, averaged.message);
+  warnings.push_back(averaged);
 }
 
 void warn_of_exclusion(const BuildingPoints& points, std::int64_t all_points,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "tetropolis/city/city_model.h"
@@ -47,6 +48,13 @@ void warn_of_stated_heights(const CityModel& raw, const BuildCityOptions& option
 /// Where the heights that features state differ from the measured ones as feet do from metres, or
 /// by more than a third. `raw` has heights.
 void warn_of_other_heights(const CityModel& raw, std::vector<Warning>& warnings);
+
+/// Of planned buildings that are not in the city ("planned_left_out"), and of those that are part
+/// of blocks of another height ("planned_averaged"). `members`: of the buildings of `city` in
+/// `raw`; both have heights.
+void warn_of_plan(const FootprintsInput& footprints, const CityModel& raw, const CityModel& city,
+                  std::span<const std::vector<BuildingIndex>> members, Lod lod,
+                  std::vector<Warning>& warnings);
 
 /// Where roof points were told by what they are not. `all_points`: of the cloud.
 void warn_of_exclusion(const BuildingPoints& points, std::int64_t all_points,

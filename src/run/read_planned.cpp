@@ -33,6 +33,9 @@ FootprintsInput read_plan(const fs::path& path, const std::string& height_attrib
   for (std::string* const name :
        {&options.id_attribute, &options.height_attribute, &options.floors_attribute})
     if (std::find(names.begin(), names.end(), *name) == names.end()) name->clear();
+  // A column `height` is the plan's own.
+  if (std::find(names.begin(), names.end(), "height") != names.end())
+    options.height_attribute.clear();
   if (!height_attribute.empty()) options.height_attribute = height_attribute;
   FootprintsInput planned = read_footprints(path, options);
   if (!planned.crs.empty() || crs_of_others.empty()) return planned;

@@ -352,6 +352,15 @@ def planned(folder, out):
     run(out / "block", *common, "--planned", plan, "--lod", "block")
     merged = City(out / "block", "city.city.json").buildings["planned:4"]
     near(merged["height"], (400 * 8 + 300 * 40) / 700, 0.01)
+    told = City(out / "block").warnings["planned_averaged"]
+    assert told["count"] == 5 and "planned:1, 12.0 m high" in told["message"], told
+    # Across the boundary: what is to be torn down is cut there, what is to be built is left out and told.
+    wide = write("wide.geojson", [((0, -60, 150, 60), {"height": 0}), ((260, 0, 280, 20), {"height": 9})])
+    run(out / "wide", *common, "--planned", wide)
+    city = City(out / "wide")
+    assert set(city.buildings) == {"beside", "far"}, city.buildings
+    told = city.warnings["planned_left_out"]
+    assert told["count"] == 1 and "planned:1: crosses the domain boundary" in told["message"], told
     told = run(out / "refused", *common, "--planned", there, code=3)
     assert "feature replaced states no height" in told and "there.geojson" in told and told.count("\n") == 1, told
     run(out / "alone", "--planned", plan)

@@ -128,7 +128,7 @@ double off_stated_heights(const Attempt& made, const RoofInput& input, double cl
   for (std::size_t m = 0; m < input.members.size(); ++m) {
     if (input.sources[m] != RoofSource::kLevel || input.points[m].empty()) continue;
     excess[snap_height(input.points[m].front()[2])] -= area(*input.members[m]);
-    allowed += perimeter(*input.members[m]) * clearance / 4;
+    allowed += perimeter(*input.members[m]) * clearance / 8;
   }
   for (const RoofPart& part : made.building.parts)
     if (const auto at = excess.find(part.roof.elevation); at != excess.end() && part.roof.is_flat())
