@@ -12,6 +12,7 @@
 #include "core/infinity.h"
 #include "core/parallel.h"
 #include "core/parallel_sort.h"
+#include "core/sort_once.h"
 #include "geometry/grid_index.h"
 #include "segment_distance.h"
 #include "violations.h"
@@ -141,8 +142,7 @@ class PairChecker {
         if (!far(edge, edges_[f])) others.push_back(f);
       }
     });
-    std::sort(others.begin(), others.end());
-    others.erase(std::unique(others.begin(), others.end()), others.end());
+    sort_once(others);
   }
 
   bool far(const Edge& e, const Edge& f) const {

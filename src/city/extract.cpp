@@ -17,6 +17,7 @@
 #include "core/parallel.h"
 #include "core/ragged_builder.h"
 #include "core/shared_progress.h"
+#include "core/sort_once.h"
 #include "footprint_index.h"
 #include "tree_crowns.h"
 
@@ -408,8 +409,7 @@ PointLists merge_lists(const PointLists& lists,
         const std::span<const PointIndex> more = lists[member];
         list.insert(list.end(), more.begin(), more.end());
       }
-      std::sort(list.begin(), list.end());
-      list.erase(std::unique(list.begin(), list.end()), list.end());
+      sort_once(list);
     }
   });
   return ragged_from_lists(merged);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/infinity.h"
+#include "core/sort_once.h"
 
 namespace tetropolis {
 
@@ -111,8 +112,7 @@ bool strictly_inside(const Polygon& polygon, const Run& run) {
 std::vector<double> ordinates(const Polygon& polygon) {
   std::vector<double> ys;
   for_each_edge(polygon, [&](Point2, Point2 b) { ys.push_back(b.y); });
-  std::sort(ys.begin(), ys.end());
-  ys.erase(std::unique(ys.begin(), ys.end()), ys.end());
+  sort_once(ys);
   return ys;
 }
 

@@ -11,6 +11,7 @@
 #include "tetropolis/geometry/types.h"
 
 #include "core/ragged_builder.h"
+#include "core/sort_once.h"
 
 namespace tetropolis {
 
@@ -59,8 +60,7 @@ class EdgeSet {
  public:
   explicit EdgeSet(std::span<const std::array<VertexIndex, 2>> edges) {
     for (const auto& e : edges) edges_.push_back(ordered(e[0], e[1]));
-    std::sort(edges_.begin(), edges_.end());
-    edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
+    sort_once(edges_);
   }
   bool contains(VertexIndex a, VertexIndex b) const {
     return std::binary_search(edges_.begin(), edges_.end(), ordered(a, b));

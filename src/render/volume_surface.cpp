@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/sort_once.h"
 #include "vec3.h"
 
 namespace tetropolis {
@@ -70,8 +71,7 @@ class Sides {
     for (const Face& face : faces)
       if (normal(face).z > kVertical)
         for (const std::int64_t v : face.corners) top_.push_back(v);
-    std::sort(top_.begin(), top_.end());
-    top_.erase(std::unique(top_.begin(), top_.end()), top_.end());
+    sort_once(top_);
     for (const Face& face : faces)
       if (std::abs(normal(face).z) <= kVertical && touches_top(face)) lines_.push_back(line(face));
     std::sort(lines_.begin(), lines_.end());

@@ -16,6 +16,7 @@
 
 #include "city/grid_geometry.h"
 #include "city/roofs/plane_fit.h"
+#include "core/sort_once.h"
 
 namespace tetropolis {
 
@@ -101,8 +102,7 @@ class Examination {
       vertices.push_back(side.first);
       vertices.push_back(side.second);
     }
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    sort_once(vertices);
     const double reach = clearance_ * grid::kSteps;
     for (const Side& side : all) {
       const double west = std::min(side.first.first, side.second.first) - reach;

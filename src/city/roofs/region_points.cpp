@@ -13,6 +13,7 @@
 #include "city/roofs/plane_fit.h"
 #include "core/infinity.h"
 #include "core/ragged_builder.h"
+#include "core/sort_once.h"
 #include "core/wide.h"
 #include "geometry/predicates.h"
 #include "geometry/vec2.h"
@@ -205,8 +206,7 @@ std::vector<std::uint32_t> RegionPoints::points_of(RoofRegion r) const {
   std::vector<std::uint32_t> result;
   for (const std::uint32_t p : lists_[index(r)])
     if (region_of_[p] == r) result.push_back(p);
-  std::sort(result.begin(), result.end());
-  result.erase(std::unique(result.begin(), result.end()), result.end());
+  sort_once(result);
   return result;
 }
 

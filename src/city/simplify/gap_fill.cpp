@@ -14,6 +14,7 @@
 #include "city/edge_grid.h"
 #include "city/grid_geometry.h"
 #include "core/infinity.h"
+#include "core/sort_once.h"
 #include "geometry/convex_hull.h"
 #include "merge_polygons.h"
 
@@ -142,8 +143,7 @@ class Fillings {
       const Edge& edge = edges_[e];
       if (grid::crossing_side(edge.a, edge.b, p) < 0) crossed_.push_back(e);
     });
-    std::sort(crossed_.begin(), crossed_.end());
-    crossed_.erase(std::unique(crossed_.begin(), crossed_.end()), crossed_.end());
+    sort_once(crossed_);
     // The edges of one filling follow each other.
     std::size_t count = 0;
     for (std::size_t i = 0; i < crossed_.size(); ++i) {

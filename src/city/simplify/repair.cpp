@@ -14,6 +14,7 @@
 
 #include "city/grid_geometry.h"
 #include "core/infinity.h"
+#include "core/sort_once.h"
 #include "outline_change.h"
 
 namespace tetropolis {
@@ -361,8 +362,7 @@ void Repairer::queue_put_off() {
 }
 
 void Repairer::queue_touched() {
-  std::sort(touched_.begin(), touched_.end());
-  touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+  sort_once(touched_);
   const std::vector<OutlineVertex> again = std::move(touched_);
   touched_.clear();
   const bool is_crowd = again.size() > kCrowd, is_throng = again.size() > kThrong;
@@ -496,8 +496,7 @@ void Repairer::tidy() {
       apply(c);
       --counts_.dropped;  // it is no repair
     }
-    std::sort(touched_.begin(), touched_.end());
-    touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+    sort_once(touched_);
     order.clear();
     for (const OutlineVertex v : touched_)
       if (o_.alive(v))

@@ -13,6 +13,7 @@
 #include "city/edge_grid.h"
 #include "city/grid_geometry.h"
 #include "core/disjoint_sets.h"
+#include "core/sort_once.h"
 
 namespace tetropolis {
 
@@ -68,8 +69,7 @@ std::vector<double> slab_heights(const std::vector<Segment>& piece) {
     }
     active.push_back(i);
   }
-  std::sort(heights.begin(), heights.end());
-  heights.erase(std::unique(heights.begin(), heights.end()), heights.end());
+  sort_once(heights);
   return heights;
 }
 
@@ -225,8 +225,7 @@ void join_nested(const std::vector<Segment>& segments, const EdgeGrid& index, co
       const Segment& s = segments[k];
       if (s.a.y <= p.y && s.b.y > p.y && grid::orientation(s.a, s.b, p) < 0) crossed.push_back(k);
     });
-    std::sort(crossed.begin(), crossed.end());
-    crossed.erase(std::unique(crossed.begin(), crossed.end()), crossed.end());
+    sort_once(crossed);
     for (LineIndex& k : crossed) k = sets.root(k);
     std::sort(crossed.begin(), crossed.end());
     for (std::size_t k = 0; k < crossed.size();) {

@@ -10,6 +10,7 @@
 #include "tetropolis/ground/surfaces.h"
 
 #include "core/parallel.h"
+#include "core/sort_once.h"
 
 namespace tetropolis {
 
@@ -77,8 +78,7 @@ class ElevationWriter {
         layers_ + static_cast<std::int32_t>(mesh_.first[v + 1] - mesh_.first[v]) - 1;
     if (!floors_only_) anchors_.push_back(last);
     if (!floors_only_ && !layers.whole) anchors_.push_back(layers_);
-    std::sort(anchors_.begin(), anchors_.end());
-    anchors_.erase(std::unique(anchors_.begin(), anchors_.end()), anchors_.end());
+    sort_once(anchors_);
     const auto nodes = floors_only_ ? static_cast<std::int32_t>(anchors_.size()) : last + 1;
     columns_.count.push_back(difference(nodes, count_));
     if (floors_.size() > 1)

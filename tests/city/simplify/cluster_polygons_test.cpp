@@ -14,6 +14,7 @@
 
 #include "city/footprint_checks.h"
 #include "city/grid_geometry.h"
+#include "core/sort_once.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -46,8 +47,7 @@ std::vector<std::int32_t> clusters_of_pairs(const std::vector<Polygon>& polygons
       std::replace(cluster.begin(), cluster.end(), std::int32_t{high}, std::int32_t{low});
     }
   std::vector<std::int32_t> roots = cluster;
-  std::sort(roots.begin(), roots.end());
-  roots.erase(std::unique(roots.begin(), roots.end()), roots.end());
+  sort_once(roots);
   for (std::int32_t& c : cluster)
     c = static_cast<std::int32_t>(std::lower_bound(roots.begin(), roots.end(), c) - roots.begin());
   return cluster;
