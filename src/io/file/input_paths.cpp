@@ -17,7 +17,17 @@ namespace fs = std::filesystem;
 
 namespace {
 
-void add(const fs::path& argument, const FileKind& kind, std::vector<fs::path>& files) {
+/// In no order.
+std::vector<fs::path> matches_of(const std::string& pattern) {
+  glob_t matches{};
+  std::vector<fs::path> paths;
+  if (::glob(pattern.c_str(), GLOB_NOSORT, nullptr, &matches) == 0)
+    for (std::size_t i = 0; i < matches.gl_pathc; ++i) paths.emplace_back(matches.gl_pathv[i]);
+  ::globfree(&matches);
+  return paths;
+}
+
+void add_files(const fs::path& argument, const FileKind& kind, std::vector<fs::path>& files) {
   std::error_code error;
   const fs::path path = argument.has_filename() ? argument : argument.parent_path();
   // A folder whose name ends so is a file to those who made it (.gdb).
@@ -45,21 +55,19 @@ bool FileKind::has(const fs::path& path) const {
                      [&](std::string_view ending) { return name.ends_with(ending); });
 }
 
-std::vector<fs::path> matches_of(const std::string& pattern) {
-  glob_t matches{};
-  std::vector<fs::path> paths;
-  if (::glob(pattern.c_str(), GLOB_NOSORT, nullptr, &matches) == 0)
-    for (std::size_t i = 0; i < matches.gl_pathc; ++i) paths.emplace_back(matches.gl_pathv[i]);
-  ::globfree(&matches);
-  return paths;
+std::vector<fs::path> expand_paths(std::span<const std::string> arguments, const FileKind& kind) {
+  return expand_paths_with(arguments, [&](const fs::path& path, std::vector<fs::path>& files) {
+    add_files(path, kind, files);
+  });
 }
 
-std::vector<fs::path> expand_paths(std::span<const std::string> arguments, const FileKind& kind) {
+std::vector<fs::path> expand_paths_with(std::span<const std::string> arguments,
+                                        const AddFiles& add) {
   std::vector<fs::path> files;
   for (const std::string& argument : arguments) {
     std::error_code error;
     if (fs::exists(argument, error)) {
-      add(argument, kind, files);
+      add(argument, files);
       continue;
     }
     if (argument.find_first_of("*?[") == std::string::npos)
@@ -67,7 +75,7 @@ std::vector<fs::path> expand_paths(std::span<const std::string> arguments, const
                                  : "no such file or folder; check the path");
     const std::vector<fs::path> matches = matches_of(argument);
     if (matches.empty()) fail_input(argument, "matches no file; check the pattern");
-    for (const fs::path& match : matches) add(match, kind, files);
+    for (const fs::path& match : matches) add(match, files);
   }
   std::vector<std::pair<fs::path, fs::path>> keyed;
   for (fs::path& path : files) {

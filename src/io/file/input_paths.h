@@ -3,15 +3,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace tetropolis {
-
-/// Shell pattern (*, ?, [...]) to the paths it matches, in no order.
-std::vector<std::filesystem::path> matches_of(const std::string& pattern);
 
 /// Files of one kind, for folders.
 struct FileKind {
@@ -28,6 +26,14 @@ struct FileKind {
 /// folder without any.
 std::vector<std::filesystem::path> expand_paths(std::span<const std::string> arguments,
                                                 const FileKind& kind);
+
+/// Adds the files that a path stands for, which is there, to those there are.
+using AddFiles =
+    std::function<void(const std::filesystem::path&, std::vector<std::filesystem::path>&)>;
+
+/// The same, with folders as `add` takes them.
+std::vector<std::filesystem::path> expand_paths_with(std::span<const std::string> arguments,
+                                                     const AddFiles& add);
 
 /// Arguments as they were given, for messages about all of them: "tiles, and 3 more"; "" of none.
 std::string given_text(std::span<const std::string> arguments);

@@ -2,7 +2,6 @@
 #include <cstdint>
 #include <span>
 #include <system_error>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -65,22 +64,6 @@ std::vector<fs::path> clouds_in(const fs::path& folder) {
                                below.front().parent_path().string()));
 }
 
-/// What the arguments name.
-struct Named {
-  std::vector<fs::path> files, folders;
-};
-
-void add(const fs::path& path, Named& named) {
-  std::error_code error;
-  if (!fs::is_directory(path, error)) {
-    named.files.push_back(path);
-    return;
-  }
-  const std::vector<fs::path> files = clouds_in(path);
-  named.files.insert(named.files.end(), files.begin(), files.end());
-  named.folders.push_back(path);
-}
-
 /// `keys`: canonical paths of all files that are read, ascending.
 void warn_of_files_below(const fs::path& folder, const std::vector<fs::path>& keys,
                          std::vector<Warning>& warnings) {
@@ -105,36 +88,23 @@ void warn_of_files_below(const fs::path& folder, const std::vector<fs::path>& ke
 
 std::vector<fs::path> expand_point_paths(std::span<const std::string> arguments,
                                          std::vector<Warning>* warnings) {
-  Named named;
-  for (const std::string& argument : arguments) {
-    std::error_code error;
-    if (fs::exists(argument, error)) {
-      add(argument, named);
-      continue;
-    }
-    if (argument.find_first_of("*?[") == std::string::npos)
-      fail_input(argument, error ? "cannot be opened: " + error.message() + "; check the path"
-                                 : "no such file or folder; check the path");
-    const std::vector<fs::path> matches = matches_of(argument);
-    if (matches.empty()) fail_input(argument, "matches no file; check the pattern");
-    for (const fs::path& match : matches) add(match, named);
-  }
-  std::vector<std::pair<fs::path, fs::path>> keyed;
-  for (fs::path& path : named.files) {
-    std::error_code error;
-    fs::path key = fs::canonical(path, error);
-    if (error) fail_input(path, "no such file; check the path");
-    keyed.emplace_back(std::move(key), std::move(path));
-  }
-  std::sort(keyed.begin(), keyed.end());
-  std::vector<fs::path> result, keys;
-  for (std::size_t i = 0; i < keyed.size(); ++i) {
-    if (i > 0 && keyed[i].first == keyed[i - 1].first) continue;
-    result.push_back(std::move(keyed[i].second));
-    keys.push_back(keyed[i].first);
-  }
-  if (warnings != nullptr)
-    for (const fs::path& folder : named.folders) warn_of_files_below(folder, keys, *warnings);
+  std::vector<fs::path> folders;
+  std::vector<fs::path> result =
+      expand_paths_with(arguments, [&](const fs::path& path, std::vector<fs::path>& files) {
+        std::error_code error;
+        if (!fs::is_directory(path, error)) {
+          files.push_back(path);
+          return;
+        }
+        const std::vector<fs::path> inside = clouds_in(path);
+        files.insert(files.end(), inside.begin(), inside.end());
+        folders.push_back(path);
+      });
+  if (warnings == nullptr || folders.empty()) return result;
+  std::vector<fs::path> keys;
+  std::error_code error;
+  for (const fs::path& path : result) keys.push_back(fs::canonical(path, error));
+  for (const fs::path& folder : folders) warn_of_files_below(folder, keys, *warnings);
   return result;
 }
 
