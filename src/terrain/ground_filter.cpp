@@ -315,26 +315,20 @@ double slope_at(const Raster& terrain, Point2 p) {
   return std::hypot(dx, dy) / terrain.step;
 }
 
-/// Keeps in `mask` the points that lie on the terrain; returns how many.
-std::int64_t keep_near(const PointCloud& cloud, const Raster& terrain,
-                       const GroundFilterOptions& options, Candidates& mask) {
-  return parallel_reduce_ordered(
-      cloud.size(), kPointGrain, std::int64_t{0},
-      [&](std::size_t begin, std::size_t end) {
-        std::int64_t kept = 0;
-        for (std::size_t p = begin; p < end; ++p) {
-          if (mask[p] == 0) continue;
-          const Point2 position{cloud.x[p], cloud.y[p]};
-          const double off = std::abs(cloud.z[p] - sample(terrain, position));
-          const bool near =
-              off <= options.tolerance ||
-              off <= options.tolerance + options.tolerance_per_slope * slope_at(terrain, position);
-          mask[p] = near ? 1 : 0;
-          kept += near ? 1 : 0;
-        }
-        return kept;
-      },
-      [](std::int64_t a, std::int64_t b) { return a + b; });
+/// Keeps in `mask` the points that lie on the terrain.
+void keep_near(const PointCloud& cloud, const Raster& terrain, const GroundFilterOptions& options,
+               Candidates& mask) {
+  parallel_chunks(cloud.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+      if (mask[p] == 0) continue;
+      const Point2 position{cloud.x[p], cloud.y[p]};
+      const double off = std::abs(cloud.z[p] - sample(terrain, position));
+      const bool near =
+          off <= options.tolerance ||
+          off <= options.tolerance + options.tolerance_per_slope * slope_at(terrain, position);
+      mask[p] = near ? 1 : 0;
+    }
+  });
 }
 
 }  // namespace
@@ -342,20 +336,17 @@ std::int64_t keep_near(const PointCloud& cloud, const Raster& terrain,
 std::vector<std::uint8_t> filter_ground(const PointCloud& cloud,
                                         std::span<const Polygon> footprints,
                                         const GroundFilterOptions& options,
-                                        const Progress& progress, GroundFilterReport* report) {
+                                        const Progress& progress) {
   assert(options.cell > 0 && options.window > 0 && options.slope > 0);
-  GroundFilterReport counts;
   progress.update(0);
   Candidates mask = find_candidates(cloud, options);
-  counts.candidates = std::count(mask.begin(), mask.end(), std::uint8_t{1});
-  if (counts.candidates > 0) {
+  if (std::find(mask.begin(), mask.end(), 1) != mask.end()) {
     const Bounds2 box = extent_of(cloud, mask);
     // With many empty cells slopes would fall to pieces.
     const double spacing = options.spacing ? *options.spacing : mean_spacing(cloud, mask, box);
     const double cell = std::max(options.cell, std::min(spacing, kCoarsest));
     const Frame frame = make_frame(box, cell, options.window, options.anchor);
     HeightGrid all = lowest_points(cloud, mask, frame);
-    counts.cells = static_cast<std::int64_t>(all.values.size());
     progress.update(0.1);
     std::vector<std::uint8_t> covered(all.values.size(), 0);
     for (const Polygon& footprint : footprints) cover(footprint, frame, covered);
@@ -364,16 +355,15 @@ std::vector<std::uint8_t> filter_ground(const PointCloud& cloud,
       if (covered[c] != 0) lowest.values[c] = kNanF;
     if (is_empty(lowest)) lowest = all;
     HeightGrid believed = lowest;
-    counts.low_outlier_cells = remove_low_outliers(believed, std::move(all), frame.cell, spacing);
+    remove_low_outliers(believed, std::move(all), frame.cell, spacing);
     if (!is_empty(believed)) lowest = std::move(believed);
     auto object = find_objects(lowest, frame, options, portion(progress, 0.2, 0.8));
     restore_gentle_rises(lowest, frame, object, progress);
     reject_fragments(lowest, std::move(covered), frame, object, progress);
     const Raster terrain = terrain_between(lowest, object, frame, progress);
-    counts.ground_points = keep_near(cloud, terrain, options, mask);
+    keep_near(cloud, terrain, options, mask);
   }
   progress.update(1);
-  if (report != nullptr) *report = counts;
   return mask;
 }
 

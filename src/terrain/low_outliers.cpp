@@ -203,13 +203,12 @@ std::vector<std::uint8_t> cells_near(const std::vector<std::uint8_t>& chosen,
 
 }  // namespace
 
-std::int64_t remove_low_outliers(HeightGrid& grid, HeightGrid all, double cell, double spacing) {
+void remove_low_outliers(HeightGrid& grid, HeightGrid all, double cell, double spacing) {
   const auto reach = static_cast<std::int32_t>(std::max(std::ceil(kOutlierReach / cell), 2.0));
   const OutlierLimits limits = outlier_limits(cell, spacing);
   const Block block = block_with_points(all);
   const int rounds = limits.most_alone == kMostAlone ? kOutlierRounds : 1;
   std::vector<std::uint8_t> open(grid.values.size(), 1);
-  std::int64_t outliers = 0;
   for (int round = 0; round < rounds; ++round) {
     std::vector<std::uint8_t> outlier(grid.values.size(), 0);
     parallel_chunks(
@@ -227,17 +226,15 @@ std::int64_t remove_low_outliers(HeightGrid& grid, HeightGrid all, double cell, 
                 outlier[c] = 1;
             }
         });
-    std::int64_t found = 0;
+    bool found = false;
     for (std::size_t c = 0; c < outlier.size(); ++c) {
       if (outlier[c] == 0) continue;
       grid.values[c] = all.values[c] = kNanF;
-      ++found;
+      found = true;
     }
-    outliers += found;
-    if (found == 0) break;
+    if (!found) break;
     if (round + 1 < rounds) open = cells_near(outlier, grid);
   }
-  return outliers;
 }
 
 }  // namespace tetropolis

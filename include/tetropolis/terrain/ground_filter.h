@@ -28,13 +28,6 @@ struct GroundFilterOptions {
   std::optional<Point2> tilt{};     ///< Rise per metre of the whole terrain, to east and north.
 };
 
-struct GroundFilterReport {
-  std::int64_t candidates = 0;     ///< Points of the classes given.
-  std::int64_t ground_points = 0;  ///< Of these, on the ground.
-  std::int64_t cells = 0;
-  std::int64_t low_outlier_cells = 0;  ///< Cells whose lowest point was too isolated to be trusted.
-};
-
 /// Finds the ground points of a cloud: result[p] is 1 where point p lies on the ground, otherwise
 /// 0. Points of other classes are ignored.
 ///
@@ -99,7 +92,6 @@ struct GroundFilterReport {
 std::vector<std::uint8_t> filter_ground(const PointCloud& cloud,
                                         std::span<const Polygon> footprints,
                                         const GroundFilterOptions& options = {},
-                                        const Progress& progress = {},
-                                        GroundFilterReport* report = nullptr);
+                                        const Progress& progress = {});
 
 }  // namespace tetropolis
