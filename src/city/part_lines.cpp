@@ -54,9 +54,8 @@ void measure_angles(std::span<const Ray> around, LineClearance& clearance) {
   turned.emplace_back(turned.front().first + 2 * std::numbers::pi, turned.front().second);
   for (std::size_t i = 1; i < turned.size(); ++i) {
     const double angle = turned[i].first - turned[i - 1].first;
-    if (!(turned[i].second || turned[i - 1].second) || !(angle < clearance.angle)) continue;
-    clearance.angle = angle;
-    clearance.sharpest = around[0].a;
+    if (turned[i].second || turned[i - 1].second)
+      clearance.angle = std::min(clearance.angle, angle);
   }
 }
 
@@ -68,11 +67,8 @@ void measure_distances(const Ray& edge, const std::vector<Point2>& corners,
   auto it = std::lower_bound(corners.begin(), corners.end(), start,
                              [](Point2 p, double x) { return p.x < x; });
   for (; it != corners.end() && it->x <= high + clearance.distance; ++it) {
-    if (*it == edge.a || *it == edge.b) continue;
-    const double away = distance_to_segment(*it, edge.a, edge.b);
-    if (!(away < clearance.distance)) continue;
-    clearance.distance = away;
-    clearance.nearest = *it;
+    if (*it != edge.a && *it != edge.b)
+      clearance.distance = std::min(clearance.distance, distance_to_segment(*it, edge.a, edge.b));
   }
 }
 
@@ -99,12 +95,8 @@ LineClearance line_clearance(std::span<const RoofPart> parts) {
     measure_angles(std::span(rays).subspan(i, j - i), clearance);
   }
   // Edges first: then searches end sooner.
-  for (const Ray& ray : rays) {
-    const double length = distance(ray.a, ray.b);
-    if (!(length < clearance.distance)) continue;
-    clearance.distance = length;
-    clearance.nearest = ray.a;
-  }
+  for (const Ray& ray : rays)
+    clearance.distance = std::min(clearance.distance, distance(ray.a, ray.b));
   for (const Ray& ray : rays)
     if (comes_before(ray.a, ray.b)) measure_distances(ray, corners, clearance);
   return clearance;

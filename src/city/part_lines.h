@@ -12,10 +12,8 @@ namespace tetropolis {
 struct LineClearance {
   /// Between two corners, or a corner and a line that it is no end of; metres.
   double distance = std::numeric_limits<double>::infinity();
-  Point2 nearest;  ///< One of these corners.
   /// Between two lines at a corner, of which one at least is inside the building; radians.
   double angle = std::numeric_limits<double>::infinity();
-  Point2 sharpest;  ///< That corner.
 };
 
 /// Over all edges of the outlines together. Precondition: parts as RoofPart states.
