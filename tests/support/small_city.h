@@ -17,6 +17,14 @@
 
 namespace tetropolis::testing {
 
+/// The table for buildings of one part each: region b is building b, the last one open ground.
+inline IndexedVector<RegionIndex, Region> regions_of_buildings(std::size_t buildings) {
+  IndexedVector<RegionIndex, Region> regions(buildings + 1);
+  for (const BuildingIndex b : indices<BuildingIndex>(buildings))
+    regions[std::size_t{b}] = {RegionKind::kBuildingPart, b, 0, Patch::kRoof};
+  return regions;
+}
+
 struct SmallCity {
   Bounds2 domain{0, 0, 120, 90};
   std::vector<Polygon> footprints;

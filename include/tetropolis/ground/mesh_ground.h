@@ -61,9 +61,9 @@ struct GroundMeshOptions {
   const Surfaces* surfaces = nullptr;
 };
 
-/// Meshes `domain`, inside and outside of the footprints. Region b is footprint b,
-/// the last one the open ground around them and in their courtyards (regions_of_buildings); after
-/// it come areas of options.surfaces, which are of these footprints and this domain.
+/// Meshes `domain`, inside and outside of the footprints. Region b is footprint b, the last one
+/// the open ground around them and in their courtyards; after it come areas of options.surfaces,
+/// which are of these footprints and this domain.
 ///
 /// Precondition: rings are simple; footprints do not overlap, best with some clearance (the gap
 /// sets the edge length in it), and lie strictly inside of the domain. Orientation is free.

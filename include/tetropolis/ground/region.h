@@ -1,10 +1,8 @@
 // What the triangles of the ground mesh stand for.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 
-#include "tetropolis/core/indexed_vector.h"
 #include "tetropolis/geometry/patch.h"
 #include "tetropolis/geometry/types.h"
 
@@ -22,13 +20,5 @@ struct Region {
   bool is_building() const { return kind == RegionKind::kBuildingPart; }
   friend bool operator==(const Region&, const Region&) = default;
 };
-
-/// The table for buildings of one part each: region b is building b, the last one open ground.
-inline IndexedVector<RegionIndex, Region> regions_of_buildings(std::size_t buildings) {
-  IndexedVector<RegionIndex, Region> regions(buildings + 1);
-  for (const BuildingIndex b : indices<BuildingIndex>(buildings))
-    regions[std::size_t{b}] = {RegionKind::kBuildingPart, b, 0, Patch::kRoof};
-  return regions;
-}
 
 }  // namespace tetropolis

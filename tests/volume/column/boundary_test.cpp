@@ -98,7 +98,7 @@ struct PartyWalls {
 
   PartyWalls(const std::vector<std::string>& rows, std::vector<double> roofs) {
     GroundMesh ground;
-    ground.regions = regions_of_buildings(roofs.size());
+    ground.regions = testing::regions_of_buildings(roofs.size());
     const std::size_t nx = rows[0].size(), ny = rows.size();
     for (std::size_t j = 0; j <= ny; ++j)
       for (std::size_t i = 0; i <= nx; ++i)

@@ -79,7 +79,7 @@ TEST(GroundHeights, OfRoofsThatTouchTheLowestCounts) {
   mesh.vertices = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
   mesh.triangles = testing::triangles_of({{0, 1, 2}, {1, 3, 2}});
   mesh.region = testing::indices_of<RegionIndex>({0, 1});
-  mesh.regions = regions_of_buildings(2);
+  mesh.regions = testing::regions_of_buildings(2);
   EXPECT_EQ(lowest_roofs(mesh, std::vector{7.0, 5.0}),
             (testing::indices_of<RegionIndex>({0, 1, 1, 1})));
   EXPECT_EQ(lowest_roofs(mesh, std::vector{5.0, 7.0}),

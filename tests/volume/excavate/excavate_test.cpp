@@ -337,7 +337,7 @@ TEST(Excavate, ExcavatesWhatRisesBeforeTheMiddleOfASunkenWall) {
   mesh.vertices = {{0, 0}, {2.4, 0}, {1.2, 0.6}, {1.2, -2}};
   mesh.triangles = testing::triangles_of({{0, 1, 2}, {1, 0, 3}});
   mesh.region = testing::indices_of<RegionIndex>({1, 0});
-  mesh.regions = regions_of_buildings(1);
+  mesh.regions = testing::regions_of_buildings(1);
   ColumnPlan plan;
   plan.ground = {-1.7, -1.7, 0, -1.7};
   plan.roofs.flat = {-0.7};
