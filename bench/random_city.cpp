@@ -12,7 +12,6 @@
 #include "tetropolis/terrain/dtm.h"
 
 #include "volume/column/fill_columns.h"
-#include "volume/layered/smooth.h"
 
 namespace tetropolis {
 

@@ -17,7 +17,6 @@
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/city/clean.h"
 #include "tetropolis/city/simplify/simplify.h"
-#include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/vector/vector.h"
 

@@ -9,8 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "core/infinity.h"
-#include "core/units.h"
 #include "vector3.h"
 #include "violations.h"
 #include "volume_parts.h"

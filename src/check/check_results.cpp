@@ -20,7 +20,6 @@
 #include "tetropolis/check/check_volume.h"
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/cityjson/cityjson.h"
-#include "tetropolis/io/crs/crs.h"
 #include "tetropolis/io/mesh/stl.h"
 #include "tetropolis/io/mesh/vtk.h"
 #include "tetropolis/io/mesh/xdmf.h"

@@ -19,7 +19,6 @@
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/ground/refine.h"
 
-#include "core/infinity.h"
 #include "hilbert.h"
 #include "size_field.h"
 

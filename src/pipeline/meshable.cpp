@@ -13,7 +13,6 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 
-#include "city/clip.h"
 #include "city/part_lines.h"
 #include "city/part_tiling.h"
 #include "city/roofs/clear_parts.h"

@@ -19,7 +19,6 @@
 
 #include "city/clip.h"
 #include "core/infinity.h"
-#include "core/units.h"
 #include "geometry/geos.h"
 #include "terrain/extend.h"
 

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/city/city_model.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/crs/crs.h"
 #include "tetropolis/io/las/las.h"
@@ -22,7 +21,6 @@
 #include "pipeline/common_crs.h"
 #include "pipeline/footprint_extent.h"
 #include "pipeline/memory.h"
-#include "pipeline/require_metres.h"
 #include "read_planned.h"
 #include "read_rasters.h"
 

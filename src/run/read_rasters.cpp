@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/city/city_model.h"
 #include "tetropolis/io/crs/crs.h"
 #include "tetropolis/io/crs/metric_crs.h"
 #include "tetropolis/io/raster/elevation.h"

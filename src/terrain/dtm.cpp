@@ -14,7 +14,6 @@
 #include <fmt/ranges.h>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/row_major.h"
 
 #include "core/parallel.h"
 #include "core/whole.h"

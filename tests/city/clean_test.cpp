@@ -8,7 +8,6 @@
 
 #include <gtest/gtest.h>
 
-#include "tetropolis/city/city_model.h"
 #include "tetropolis/city/simplify/clearance.h"
 #include "tetropolis/io/vector/vector.h"
 

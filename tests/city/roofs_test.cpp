@@ -15,7 +15,6 @@
 #include <gtest/gtest.h>
 
 #include "tetropolis/city/heights.h"
-#include "tetropolis/core/threads.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "support/test_data.h"

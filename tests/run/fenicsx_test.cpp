@@ -8,8 +8,6 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tetropolis/run/run.h"
-
 #include "block_city.h"
 #include "support/test_data.h"
 

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "core/parallel.h"
-#include "io/file/input_file.h"
 #include "las_decode.h"
 
 namespace tetropolis {

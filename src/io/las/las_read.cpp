@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/core/error.h"
 #include "tetropolis/io/crs/crs.h"
 
 #include "core/parallel.h"

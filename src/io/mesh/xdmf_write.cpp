@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "tetropolis/core/error.h"
 #include "tetropolis/io/mesh/xdmf.h"
 
 #include "column_output.h"

@@ -17,7 +17,6 @@
 #include "tetropolis/io/crs/crs.h"
 
 #include "core/foreign_code.h"
-#include "core/text.h"
 #include "io/crs/gdal_support.h"
 #include "io/file/atomic_file.h"
 #include "io/file/input_file.h"

@@ -15,7 +15,6 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include "core/infinity.h"
-#include "geometry/perimeter.h"
 #include "io/crs/gdal_support.h"
 #include "io/vector/quirks/turned_rings.h"
 

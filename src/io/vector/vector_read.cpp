@@ -24,7 +24,6 @@
 #include "tetropolis/io/vector/vector.h"
 
 #include "core/foreign_code.h"
-#include "core/text.h"
 #include "feature_attributes.h"
 #include "feature_heights.h"
 #include "feature_marks.h"

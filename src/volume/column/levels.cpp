@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <utility>
 
-#include "core/infinity.h"
 #include "core/parallel.h"
 #include "core/sort_once.h"
 

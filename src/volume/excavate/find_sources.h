@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "tetropolis/volume/column/column_mesh.h"
-#include "tetropolis/volume/quality/cell_quality.h"
 
 #include "excavate.h"
 #include "volume/column/fill_columns.h"

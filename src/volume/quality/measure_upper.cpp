@@ -13,7 +13,6 @@
 #include "tetropolis/volume/quality/face_quality.h"
 
 #include "cells_of.h"
-#include "core/infinity.h"
 #include "core/parallel.h"
 #include "core/units.h"
 #include "tet_cosines.h"

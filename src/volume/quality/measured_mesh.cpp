@@ -8,7 +8,6 @@
 #include "cells_of.h"
 #include "core/infinity.h"
 #include "core/parallel.h"
-#include "core/sort_once.h"
 #include "core/units.h"
 #include "faces_of.h"
 #include "measure_upper.h"

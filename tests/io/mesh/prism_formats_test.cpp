@@ -10,12 +10,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tetropolis/io/mesh/cgns.h"
-#include "tetropolis/io/mesh/fluent.h"
 #include "tetropolis/io/mesh/msh.h"
 #include "tetropolis/io/mesh/openfoam.h"
 #include "tetropolis/io/mesh/su2.h"
-#include "tetropolis/io/mesh/vtkhdf.h"
 #include "tetropolis/io/mesh/xdmf.h"
 #include "tetropolis/volume/column/explicit_mesh.h"
 #include "tetropolis/volume/quality/prism_quality.h"

@@ -5,8 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "tetropolis/core/error.h"
-
 #include "support/indices.h"
 #include "support/small_city.h"
 

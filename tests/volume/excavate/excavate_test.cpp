@@ -15,7 +15,6 @@
 
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/volume/quality/cell_quality.h"
-#include "tetropolis/volume/quality/face_quality.h"
 
 #include "support/explicit_mesh.h"
 #include "support/indices.h"
