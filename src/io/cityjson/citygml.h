@@ -3,23 +3,11 @@
 // Source: OGC City Geography Markup Language (CityGML) 2.0, OGC 12-019; CityGML 3.0, OGC 20-010.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
-#include <string>
-#include <vector>
 
-#include "io/file/json_place.h"
+#include "model_document.h"
 
 namespace tetropolis {
-
-/// A document and the keys of its CityObjects in the order of the file.
-struct ModelDocument {
-  Json root;
-  std::vector<std::string> keys;
-  std::vector<std::string> without_height;  ///< Outlines that state none: raised by 6 m.
-  bool is_east_first = false;  ///< Though the name of its system means the northing first.
-  double height_unit = 1;  ///< Metres per unit of the heights in the file; they are metres here.
-};
 
 /// By its first bytes.
 bool is_citygml(const std::filesystem::path& path);
