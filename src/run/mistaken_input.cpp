@@ -16,6 +16,8 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/crs/crs.h"
 
+#include "core/text.h"
+
 namespace tetropolis {
 
 namespace {
@@ -23,9 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool ends_with_any(const fs::path& path, std::initializer_list<std::string_view> endings) {
-  std::string name = path.filename().string();
-  for (char& c : name)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  const std::string name = lower_case(path.filename().string());
   return std::any_of(endings.begin(), endings.end(),
                      [&](std::string_view ending) { return name.ends_with(ending); });
 }
