@@ -6,12 +6,26 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "osm_elements.h"
 
 namespace tetropolis {
 
 using OsmVisit = std::function<void(const OsmElement&)>;
+
+/// Whether an element of this name is of a kind, and that.
+inline bool is_kind(std::string_view name, OsmKind& kind) {
+  if (name == "node")
+    kind = OsmKind::kNode;
+  else if (name == "way")
+    kind = OsmKind::kWay;
+  else if (name == "relation")
+    kind = OsmKind::kRelation;
+  else
+    return false;
+  return true;
+}
 
 /// The bytes of a file, unpacked where its name ends in .gz or .bz2.
 class OsmBytes {

@@ -13,18 +13,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-bool is_kind(const std::string& name, OsmKind& kind) {
-  if (name == "node")
-    kind = OsmKind::kNode;
-  else if (name == "way")
-    kind = OsmKind::kWay;
-  else if (name == "relation")
-    kind = OsmKind::kRelation;
-  else
-    return false;
-  return true;
-}
-
 /// Empty if some are left out, as of ways that leave the box of a query.
 std::vector<Point2> places_of(const Json& geometry) {
   std::vector<Point2> places;

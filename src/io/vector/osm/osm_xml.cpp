@@ -45,18 +45,6 @@ class OsmXmlReader : public XmlReader {
   }
 
  private:
-  static bool is_kind(std::string_view name, OsmKind& kind) {
-    if (name == "node")
-      kind = OsmKind::kNode;
-    else if (name == "way")
-      kind = OsmKind::kWay;
-    else if (name == "relation")
-      kind = OsmKind::kRelation;
-    else
-      return false;
-    return true;
-  }
-
   void start(std::string_view name, Attributes attributes) override {
     OsmKind kind{};
     is_osm_ = is_osm_ || name == "osm";
