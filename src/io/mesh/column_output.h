@@ -11,6 +11,7 @@
 
 #include "tetropolis/core/progress.h"
 #include "tetropolis/io/file/placement.h"
+#include "tetropolis/volume/cell_zones.h"
 #include "tetropolis/volume/column/boundary.h"
 #include "tetropolis/volume/column/column_mesh.h"
 
@@ -53,6 +54,35 @@ void for_each_point(const ColumnMesh& mesh, const Placement& placement, std::siz
 /// Rows of cells of all kinds: those of `offsets`, which are cell_offsets(), and one per prism.
 inline std::size_t cell_rows(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets) {
   return offsets.size() - 1 + static_cast<std::size_t>(mesh.layers.cells());
+}
+
+/// Writes all points to `file`, which is as VtkOutput.
+template <typename Output>
+void write_all_points(Output& file, const ColumnMesh& mesh, const Placement& placement,
+                      const Progress& progress) {
+  file.write_next(
+      point_rows(mesh),
+      [&](std::size_t begin, std::size_t end, std::string& buffer) {
+        append_points(mesh, placement, begin, end, buffer);
+      },
+      progress);
+}
+
+/// Writes the regions of all cells and, if there are any, their zones.
+template <typename Output>
+void write_regions(Output& file, const ColumnMesh& mesh, const std::vector<CellIndex>& offsets,
+                   const CellZones& zones, const Progress& progress) {
+  file.write_next(
+      cell_rows(mesh, offsets),
+      [&](std::size_t begin, std::size_t end, std::string& buffer) {
+        append_regions(mesh, offsets, begin, end, buffer);
+      },
+      progress);
+  if (zones.empty()) return;
+  file.write_next(zones.of_cell.size(),
+                  [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                    for (std::size_t c = begin; c < end; ++c) append_raw(buffer, zones.of_cell[c]);
+                  });
 }
 
 /// The number of the first cell of a row of cell_rows(); of the row beyond all, of all cells.

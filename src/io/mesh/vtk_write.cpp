@@ -177,28 +177,13 @@ void write_vtu(const std::filesystem::path& path, const ColumnMesh& mesh,
   piece += "</CellData>\n";
   file.write_head(file_head("UnstructuredGrid", placement, fields, file) + piece +
                   file_middle("UnstructuredGrid"));
-  file.write_next(
-      point_rows(mesh),
-      [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        append_points(mesh, placement, begin, end, buffer);
-      },
-      portion(progress, 0, 0.2));
+  write_all_points(file, mesh, placement, portion(progress, 0, 0.2));
   const Progress of_cells = portion(progress, 0.2, 0.9);
   if (small)
     write_cells<std::int32_t>(file, mesh, offsets, of_cells);
   else
     write_cells<std::int64_t>(file, mesh, offsets, of_cells);
-  const std::size_t rows = offsets.size() - 1;
-  file.write_next(
-      rows + prisms,
-      [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        append_regions(mesh, offsets, begin, end, buffer);
-      },
-      portion(progress, 0.9, 1));
-  if (!zones.empty())
-    file.write_next(cells, [&](std::size_t begin, std::size_t end, std::string& buffer) {
-      for (std::size_t c = begin; c < end; ++c) append_raw(buffer, zones.of_cell[c]);
-    });
+  write_regions(file, mesh, offsets, zones, portion(progress, 0.9, 1));
   write_fields(file, fields);
   file.commit(kFileTail);
 }

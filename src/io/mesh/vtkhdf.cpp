@@ -79,12 +79,7 @@ void write_vtkhdf(const std::filesystem::path& path, const ColumnMesh& mesh,
   };
   for (const std::uint64_t size : {nodes, count, std::uint64_t{counts.corners()}})
     write_numbers(1, [&](std::size_t) { return size; });
-  file.write_next(
-      point_rows(mesh),
-      [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        append_points(mesh, placement, begin, end, buffer);
-      },
-      portion(progress, 0, 0.2));
+  write_all_points(file, mesh, placement, portion(progress, 0, 0.2));
   file.write_next(
       cell_rows(mesh, cells),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
@@ -102,13 +97,7 @@ void write_vtkhdf(const std::filesystem::path& path, const ColumnMesh& mesh,
       },
       portion(progress, 0.7, 0.9));
   write_numbers(count, [&](std::size_t i) { return i < counts.tets ? kTet : kWedge; });
-  file.write_next(
-      cell_rows(mesh, cells),
-      [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        append_regions(mesh, cells, begin, end, buffer);
-      },
-      portion(progress, 0.9, 1));
-  if (!zones.empty()) write_numbers(count, [&](std::size_t i) { return zones.of_cell[i]; });
+  write_regions(file, mesh, cells, zones, portion(progress, 0.9, 1));
   write_numbers(3, [&](std::size_t i) { return placement.origin[i]; });
   file.commit();
 }

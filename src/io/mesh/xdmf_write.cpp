@@ -77,12 +77,7 @@ void write_origin(Output& file, const Point3& origin) {
 template <typename Output>
 void write_volume(Output& file, const ColumnMesh& mesh, const std::vector<CellIndex>& cells,
                   const CellZones& zones, const Placement& placement, const Progress& progress) {
-  file.write_next(
-      point_rows(mesh),
-      [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        append_points(mesh, placement, begin, end, buffer);
-      },
-      portion(progress, 0, 0.2));
+  write_all_points(file, mesh, placement, portion(progress, 0, 0.2));
   const std::size_t rows = cells.size() - 1;
   const bool mixed = elements_of(count_cells(mesh, cells)).mixed();
   file.write_next(
@@ -97,18 +92,7 @@ void write_volume(Output& file, const ColumnMesh& mesh, const std::vector<CellIn
           });
       },
       portion(progress, 0.2, 0.9));
-  file.write_next(
-      cell_rows(mesh, cells),
-      [&](std::size_t begin, std::size_t end, std::string& buffer) {
-        append_regions(mesh, cells, begin, end, buffer);
-      },
-      portion(progress, 0.9, 1));
-  if (!zones.empty())
-    file.write_next(zones.of_cell.size(),
-                    [&](std::size_t begin, std::size_t end, std::string& buffer) {
-                      for (std::size_t c = begin; c < end; ++c)
-                        append_raw(buffer, zones.of_cell[c]);
-                    });
+  write_regions(file, mesh, cells, zones, portion(progress, 0.9, 1));
   write_origin(file, placement.origin);
 }
 
