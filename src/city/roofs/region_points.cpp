@@ -282,10 +282,6 @@ RegionRoof RegionPoints::merged_roof(RoofRegion a, RoofRegion b,
   return fitted({roof(a), roof(b)}, points);
 }
 
-double RegionPoints::cost_of_region(RoofRegion r) const {
-  return cost(roof(r).plane, points_of(r));
-}
-
 double RegionPoints::cost_of_exchange(RoofRegion keep, RoofRegion gone) const {
   double sum = 0;
   for (const std::uint32_t p : lists_[index(gone)])

@@ -42,8 +42,6 @@ class RegionPoints {
                           RoofRegion right, std::span<double> sums) const;
   /// Of one roof for two regions.
   double cost_of_merging(RoofRegion a, RoofRegion b) const;
-  /// Of a region's own points.
-  double cost_of_region(RoofRegion r) const;
 
   /// The roof of a region becomes flat. False: it was.
   bool flatten(RoofRegion r);
