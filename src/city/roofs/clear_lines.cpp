@@ -56,13 +56,15 @@ class Clearing {
     split();
     bool polished = false;
     for (int round = 0;; ++round) {
-      constexpr int kFreeRounds = 24;
+      constexpr int kFreeRounds = 24, kCalmRounds = 4;
       only_removals_ = round >= kFreeRounds;
+      is_restless_ = round >= kCalmRounds && !only_removals_;
       drop_small_regions();
       const std::vector<LineConflict> found = conflicts_.all();
       if (found.empty() && !part_pinched()) {
         if (polished || !options_.polish) break;
         polished = true;
+        is_restless_ = false;
         polish();
       }
       bool any = false;
@@ -132,6 +134,9 @@ class Clearing {
     };
     extend();
     if (!way.go()) return false;
+    if (is_restless_)
+      for (const NodeId n : {way.nodes.a, way.nodes.b, way.nodes.c})
+        if (n != kNone) ++visits_[n];
     if (way.nodes.a == kNone) return true;
     extend();
     lines_.tidy();
@@ -141,6 +146,11 @@ class Clearing {
 
   template <typename Go>
   void add(double cost, const Nodes& nodes, Go go) {
+    // Ways may undo each other for ever: what is done again and again at a node costs more.
+    constexpr double kAgain = 1;  // m^4
+    if (is_restless_)
+      for (const NodeId n : {nodes.a, nodes.b, nodes.c})
+        if (n != kNone) cost += kAgain * visits_[n];
     ways_.push_back({cost, nodes, std::move(go)});
   }
 
@@ -513,6 +523,8 @@ class Clearing {
   double min_angle_;
   LineConflicts conflicts_;
   bool only_removals_ = false;
+  bool is_restless_ = false;
+  std::map<NodeId, int> visits_;  ///< How often ways have changed a node in restless rounds.
   bool is_too_costly_ = false;
   std::vector<Point2> too_costly_;
   std::vector<Way> ways_;
