@@ -175,7 +175,7 @@ def test_planned_in_memory(data, shared_city, tmp_path):
         assert len(city.dropped) == len(expected.dropped)
     frame.to_file(file)
     assert np.array_equal(build(f"{file}:tall").h_roof, expected.h_roof)
-    for wrong in ((frame, "size"), frame, shapes, 4):
+    for wrong in ((frame, "size"), frame, shapes, 4, (shapes, -3)):
         with pytest.raises((tp.UsageError, tp.InputError), match="planned|no height"):
             build(wrong)
 

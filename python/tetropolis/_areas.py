@@ -33,6 +33,8 @@ def _heights(areas: Any, column: Any, columns: list[Any]) -> dict[str, Any]:
             raise UsageError(f"planned: the areas have no heights; give {TAKE_AREAS['planned']}, or a column height")
         return values
     if not isinstance(column, str):
+        if not float(column) >= 0:
+            raise UsageError(f"planned: {column} is no height; give metres above ground, 0 for what is to be torn down")
         return {"height": np.full(len(areas), float(column))}
     if column not in columns:
         raise UsageError(f"planned: the areas have no column {column!r}; they have: {', '.join(map(str, columns))}")
@@ -66,13 +68,14 @@ def _write(areas: Any, column: Any, path: str, name: str, crs: str) -> None:
 
 
 @contextmanager
-def areas_as_files(settings: Mapping[str, Any], crs: str = "") -> Iterator[dict[str, Any]]:
-    """The settings; areas in memory are files in a folder that lasts as long, those without a CRS in `crs`."""
+def areas_as_files(settings: Mapping[str, Any], crs: str = "", planned_crs: str = "") -> Iterator[dict[str, Any]]:
+    """The settings; areas in memory are files in a folder that lasts as long, those without a CRS in `crs`, or
+    `planned_crs`."""
     with tempfile.TemporaryDirectory(prefix="tetropolis-") as folder:
         def text(name: str, number: int, value: Any) -> str:
             areas, means = value if _is_pair(value) and not is_path(value[0]) else (value, None)
             path = os.path.join(folder, f"{name}_{number}.fgb")
-            _write(areas, means, path, name, crs)
+            _write(areas, means, path, name, planned_crs if name == "planned" else crs)
             return path if means is None or name == "planned" else f"{path}:{means}"
 
         changed = dict(settings)

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from . import _core
 from ._areas import areas_as_files
 from ._errors import UsageError
-from ._input import footprint_table, is_path, paths_of, points_in_memory
+from ._input import crs_text, footprint_table, is_path, paths_of, points_in_memory
 from ._report import Progress, Reported, following
 from ._settings import takes_settings
 from ._show import show
@@ -325,7 +325,8 @@ def build_city(footprints: Any, points: Any = None, *, classification: npt.Array
         arrays = points_in_memory(points, classification)
     elif classification is not None:
         raise UsageError("classification: files have their own; give it with points in memory only")
-    with areas_as_files(settings) as given, following(progress) as follow:
+    own_crs = settings.get("footprints_crs") or crs_text(getattr(footprints, "crs", None))
+    with areas_as_files(settings, planned_crs=own_crs) as given, following(progress) as follow:
         city = City(_core.build_city(given, files or [], paths or [], table, arrays, follow))
     city._warn()
     return city

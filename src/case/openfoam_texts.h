@@ -297,6 +297,7 @@ def compare(folder, values, theirs, most):
 
 def script_of(case):
     """The wind.py of another case, or of the folder of several. Notes what is not alike."""
+    case = case.resolve()
     scripts = [path for path in (case / "wind.py", case.parent / "wind.py") if path.exists()]
     text = scripts[0].read_text() if scripts else ""
     wind = re.search(r'^WIND = "(.*)"', text, re.M)

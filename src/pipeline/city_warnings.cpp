@@ -4,10 +4,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <set>
 #include <span>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -194,18 +192,19 @@ void warn_of_other_heights(const CityModel& raw, std::vector<Warning>& warnings)
 void warn_of_plan(const FootprintsInput& footprints, const CityModel& raw, const CityModel& city,
                   std::span<const std::vector<BuildingIndex>> members, Lod lod,
                   std::vector<Warning>& warnings) {
-  std::set<std::string_view> planned;
-  for (const Footprint& feature : footprints.features)
-    if (feature.is_planned && feature.height > 0) planned.insert(feature.source_id);
-  if (planned.empty()) return;
+  std::int64_t planned = 0;
+  for (const Footprint& feature : footprints.features) planned += feature.is_planned ? 1 : 0;
+  for (const Dropped& dropped : footprints.dropped)
+    planned += dropped.source_id.starts_with(kPlannedPrefix) ? 1 : 0;
+  if (planned == 0) return;
   Warning lost{"planned_left_out", 0, {}};
   for (const Dropped& dropped : city.dropped)
-    if (dropped.cause != DropCause::kReplaced && planned.contains(dropped.source_id) &&
+    if (dropped.cause != DropCause::kReplaced && dropped.source_id.starts_with(kPlannedPrefix) &&
         lost.count++ == 0)
       lost.message = fmt::format("{}: {}", dropped.source_id, dropped.reason);
   if (lost.count > 0) {
-    lost.message = fmt::format("{} of {} planned buildings are not in the city (the first, {})",
-                               lost.count, planned.size(), lost.message);
+    lost.message = fmt::format("{} of {} features of the plan have no effect (the first, {})",
+                               lost.count, planned, lost.message);
     warnings.push_back(lost);
   }
   if (lod != Lod::kBlock) return;

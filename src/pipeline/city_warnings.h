@@ -49,8 +49,8 @@ void warn_of_stated_heights(const CityModel& raw, const BuildCityOptions& option
 /// by more than a third. `raw` has heights.
 void warn_of_other_heights(const CityModel& raw, std::vector<Warning>& warnings);
 
-/// Of planned buildings that are not in the city ("planned_left_out"), and of those that are part
-/// of blocks of another height ("planned_averaged"). `members`: of the buildings of `city` in
+/// Of features of the plan that do not show ("planned_left_out"), and of planned buildings that are
+/// part of blocks of another height ("planned_averaged"). `members`: of the buildings of `city` in
 /// `raw`; both have heights.
 void warn_of_plan(const FootprintsInput& footprints, const CityModel& raw, const CityModel& city,
                   std::span<const std::vector<BuildingIndex>> members, Lod lod,

@@ -147,7 +147,6 @@ CleanFeatures clean_features(const BuildCityOptions& options, const FootprintsIn
     const bool is_cleared = feature.is_planned && !(feature.height > 0);
     Kept kept = keep_inside(options, is_cleared, feature.polygon, domain, covered, outline,
                             clean[i], result.crossing);
-    result.area += total_area(kept.parts);
     if (kept.parts.empty()) {
       result.dropped.push_back({feature.source_id, std::move(kept.reason), kept.cause});
       continue;
@@ -168,6 +167,7 @@ CleanFeatures clean_features(const BuildCityOptions& options, const FootprintsIn
   make_way_for_planned(
       options.simplify.min_area, [&](const std::string& id) { return part_ids.next(id); }, result,
       warnings);
+  for (const Building& building : result.buildings) result.area += area(building.footprint);
   for (const Polygon& part : result.crossing)
     result.area_lost += covered ? total_area(parts_in_domain(part, *covered)) : area(part);
   result.area += result.area_lost;

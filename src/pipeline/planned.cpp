@@ -12,6 +12,7 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/clip.h"
+#include "core/parallel.h"
 #include "geometry/geos.h"
 
 namespace tetropolis {
@@ -26,7 +27,7 @@ constexpr double kNoOverlap = 0.01;
 
 bool is_planned(const Building& building) { return (building.flags & kPlanned) != 0; }
 
-/// What the plan leaves of a footprint; `by`: which planned building takes most of it, if any does.
+/// What the plan leaves of a footprint; `by`: which planned building takes of it, if any does.
 struct Rest {
   std::vector<Polygon> parts;
   const std::string* by = nullptr;
@@ -45,25 +46,29 @@ class Plan {
   }
 
   /// Of a planned building the higher ones take their share, a tower of its podium; of any other
-  /// all do.
+  /// all do. Where GEOS gives up, nothing is taken.
   Rest left_of(std::size_t b) const {
     Rest rest{{buildings_[b].footprint}};
     const Bounds2 box = bounds(buildings_[b].footprint);
-    double most = kNoOverlap;
-    for (std::size_t i = 0; i < planned_.size() && box.intersects(box_); ++i) {
-      if (!box.intersects(boxes_[i]) || !goes_before(planned_[i], b)) continue;
-      const Building& planned = buildings_[planned_[i]];
-      const double before = total_area(rest.parts);
-      auto left = geos::subtract(rest.parts, std::array{planned.footprint}, kCoordinateStep);
-      if (!left) left.emplace();  // GEOS gave up
-      const double taken = before - total_area(*left);
-      if (!(taken > kNoOverlap)) continue;
-      rest.parts = std::move(*left);
-      if (taken > most) {
-        most = taken;
-        rest.by = &planned.source_ids.front();
+    std::vector<std::size_t> takers;
+    std::vector<Polygon> taken;
+    for (std::size_t i = 0; i < planned_.size() && box.intersects(box_); ++i)
+      if (box.intersects(boxes_[i]) && goes_before(planned_[i], b)) {
+        takers.push_back(planned_[i]);
+        taken.push_back(buildings_[planned_[i]].footprint);
       }
+    if (takers.empty()) return rest;
+    auto left = geos::subtract(rest.parts, taken, kCoordinateStep);
+    if (!left || !(total_area(rest.parts) - total_area(*left) > kNoOverlap)) return rest;
+    for (const std::size_t taker : takers) {
+      const auto common =
+          geos::intersect(rest.parts, std::array{buildings_[taker].footprint}, kCoordinateStep);
+      if (!common || !(total_area(*common) > kNoOverlap)) continue;
+      rest.by = &buildings_[taker].source_ids.front();
+      break;
     }
+    if (rest.by == nullptr) rest.by = &buildings_[takers.front()].source_ids.front();
+    rest.parts = std::move(*left);
     return rest;
   }
 
@@ -90,6 +95,10 @@ void make_way_for_planned(double min_area,
   const std::vector<Building> before = std::exchange(clean.buildings, {});
   const std::vector<std::uint32_t> basis = std::exchange(clean.basis, {});
   const Plan plan(before);
+  std::vector<Rest> rests(before.size());
+  parallel_chunks(before.size(), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) rests[b] = plan.left_of(b);
+  });
   const auto keep = [&](std::size_t b, Building building) {
     building.id = fmt::format("b{}", clean.buildings.size());
     clean.buildings.push_back(std::move(building));
@@ -108,7 +117,7 @@ void make_way_for_planned(double min_area,
       continue;
     }
     planned += belongs ? 1 : 0;
-    Rest rest = plan.left_of(b);
+    Rest& rest = rests[b];
     if (rest.by == nullptr) {
       keep(b, building);
       continue;

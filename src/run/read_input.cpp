@@ -131,7 +131,8 @@ void require_fits(const Config& config, const FootprintsInput& footprints, doubl
   if (next != Next::kMesh) return;
   for (const Footprint& feature : footprints.features) {
     const Ring& outer = feature.polygon.outer;
-    if (!outer.empty() && box.contains(outer.front())) size.add(feature.polygon);
+    const bool is_cleared = feature.is_planned && !(feature.height > 0);
+    if (!is_cleared && !outer.empty() && box.contains(outer.front())) size.add(feature.polygon);
   }
   require_mesh_fits(mesh_options(config), size);
 }
@@ -218,7 +219,9 @@ void require_grids(const Config& config, const FootprintsInput& footprints) {
 
 void warn_of_heights(const Config& config, const FootprintsInput& footprints,
                      std::vector<Warning>& warnings) {
-  const auto has_height = [](const Footprint& feature) { return feature.height > 0; };
+  const auto has_height = [](const Footprint& feature) {
+    return feature.height > 0 && !feature.is_planned;
+  };
   if (config.height_attribute.empty() ||
       std::any_of(footprints.features.begin(), footprints.features.end(), has_height))
     return;

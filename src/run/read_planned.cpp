@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "tetropolis/city/city_model.h"
 #include "tetropolis/core/error.h"
 
 #include "file_and_attribute.h"
@@ -24,12 +26,14 @@ namespace fs = std::filesystem;
 FootprintsInput read_plan(const fs::path& path, const std::string& height_attribute,
                           ReadFootprintsOptions options) {
   options.where.clear();
-  options.layer.clear();
+  const std::string layer_of_others = std::exchange(options.layer, {});
   const std::string crs_of_others = std::exchange(options.source_crs, {});
   std::vector<std::string> names;
   if (!is_city_model(path))
-    for (const VectorLayer& layer : list_layers(path))
+    for (const VectorLayer& layer : list_layers(path)) {
       names.insert(names.end(), layer.attributes.begin(), layer.attributes.end());
+      if (layer.name == layer_of_others) options.layer = layer_of_others;
+    }
   for (std::string* const name :
        {&options.id_attribute, &options.height_attribute, &options.floors_attribute})
     if (std::find(names.begin(), names.end(), *name) == names.end()) name->clear();
@@ -71,7 +75,8 @@ void add_planned(const Config& config, const ReadFootprintsOptions& options,
   }
   FootprintsInput planned =
       all.size() > 1 ? merge_footprints(std::move(all), paths) : std::move(all.front());
-  prefix_ids("planned:", planned);
+  prefix_ids(std::string(kPlannedPrefix), planned);
+  tell_ids_apart(footprints, planned);
   if (config.footprints.empty())
     footprints = std::move(planned);
   else

@@ -360,9 +360,14 @@ def planned(folder, out):
     city = City(out / "wide")
     assert set(city.buildings) == {"beside", "far"}, city.buildings
     told = city.warnings["planned_left_out"]
-    assert told["count"] == 1 and "planned:1: crosses the domain boundary" in told["message"], told
+    assert told["count"] == 1 and "1 of 2 features of the plan have no effect (the first, planned:1: crosses the domain boundary)" in told["message"], told
     told = run(out / "refused", *common, "--planned", there, code=3)
     assert "feature replaced states no height" in told and "there.geojson" in told and told.count("\n") == 1, told
+    # A plan on the result of another; one that is elsewhere.
+    run(out / "again", "--footprints", out / "block/city.city.json", "--planned", plan)
+    away = write("away.geojson", [((9000, 0, 9020, 20), {"height": 9})])
+    run(out / "away", *common, "--planned", away)
+    assert "1 of 1 features" in City(out / "away").warnings["planned_left_out"]["message"]
     run(out / "alone", "--planned", plan)
     assert City(out / "alone").heights() == {"planned:0": 30, "planned:1": 12, "planned:3": 21, "planned:4": 40,
                                                            "planned:5": 6, "planned:6": 50}

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tetropolis/core/indexed_vector.h"
@@ -34,6 +35,9 @@ enum BuildingFlag : std::uint32_t {
 std::vector<std::string> flag_names(std::uint32_t flags);
 /// Inverse of flag_names; unknown names are ignored.
 std::uint32_t flags_from_names(const std::vector<std::string>& names);
+
+/// Ids of features of a plan begin with this.
+inline constexpr std::string_view kPlannedPrefix = "planned:";
 
 /// Level of detail of roofs, after Biljecki, Ledoux and Stoter, "An improved LOD specification for
 /// 3D building models" (2016).

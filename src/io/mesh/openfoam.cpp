@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include "tetropolis/city/roof_summary.h"
 #include "tetropolis/core/error.h"
 
 #include "column_output.h"
@@ -73,24 +74,35 @@ void write_points(AtomicFile& file, const ColumnMesh& mesh, const Placement& pla
   end_list(file);
 }
 
+/// The highest roof of what stands, so that a plan leaves the town as it is; minus infinity where
+/// nothing does.
+double highest_standing(std::span<const Building> buildings) {
+  const auto is_planned = [](const std::string& id) { return id.starts_with(kPlannedPrefix); };
+  double high = -kInfinity;
+  for (const Building& building : buildings) {
+    for (const RoofPart& part : building.parts)
+      if (!is_planned(part.source_id)) high = std::max(high, range_of(part).high);
+    if (building.parts.empty() &&
+        !std::all_of(building.source_ids.begin(), building.source_ids.end(), is_planned))
+      high = std::max(high, building.h_roof);
+  }
+  return high;
+}
+
 Bounds2 town_of(const SurfaceMesh& surface, std::span<const Building> buildings) {
   Bounds2 box = Bounds2::nothing();
-  double low = kInfinity;
-  // Of the highest that stands, so that a plan leaves the town as it is.
-  double standing = -kInfinity, planned = -kInfinity;
+  double low = kInfinity, high = -kInfinity;
   for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
     if (!surface.patch_of(i).of_building()) continue;
-    const auto b = static_cast<std::size_t>(surface.building[i].value());
-    const bool is_planned = b < buildings.size() && (buildings[b].flags & kPlanned) != 0;
     for (const std::int32_t p : surface.triangles[i]) {
       const auto& corner = surface.points[static_cast<std::size_t>(p)];
       box.extend(Point2{corner[0], corner[1]});
       low = std::min(low, corner[2]);
-      double& high = is_planned ? planned : standing;
       high = std::max(high, corner[2]);
     }
   }
-  return box.empty() ? box : box.grown((standing > low ? standing : planned) - low);
+  if (const double standing = highest_standing(buildings); standing > low) high = standing;
+  return box.empty() ? box : box.grown(high - low);
 }
 
 /// The boundary faces as they are written: those of the open ground within the town come first, so

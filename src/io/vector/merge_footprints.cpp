@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -65,6 +66,18 @@ std::size_t rows_of(const FootprintsInput& input) {
 void prefix_ids(const std::string& prefix, FootprintsInput& input) {
   for (Footprint& feature : input.features) feature.source_id.insert(0, prefix);
   for (UnusableFootprint& feature : input.dropped) feature.source_id.insert(0, prefix);
+}
+
+void tell_ids_apart(const FootprintsInput& others, FootprintsInput& input) {
+  std::set<std::string> taken;
+  for (const Footprint& feature : others.features) taken.insert(feature.source_id);
+  for (const UnusableFootprint& feature : others.dropped) taken.insert(feature.source_id);
+  const auto make_unique = [&](std::string& id) {
+    const std::string base = id;
+    for (int k = 2; !taken.insert(id).second; ++k) id = fmt::format("{}~{}", base, k);
+  };
+  for (Footprint& feature : input.features) make_unique(feature.source_id);
+  for (UnusableFootprint& feature : input.dropped) make_unique(feature.source_id);
 }
 
 void append_footprints(FootprintsInput input, FootprintsInput& all) {

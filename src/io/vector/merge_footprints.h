@@ -23,6 +23,9 @@ inline constexpr FileKind kVectorFiles{"vector files", kVectorEndings};
 /// Puts it before the ids of all features.
 void prefix_ids(const std::string& prefix, FootprintsInput& input);
 
+/// Ids that `others` have, too, get "~2", "~3", ... added.
+void tell_ids_apart(const FootprintsInput& others, FootprintsInput& input);
+
 /// Adds features, attributes (of one name and type: one column) and warnings to those of `all`, and
 /// reprojects them to its system if both are known. Precondition: no ids in common.
 void append_footprints(FootprintsInput input, FootprintsInput& all);

@@ -194,8 +194,9 @@ TEST_F(OpenFoam, TownIsWiderByTheHeightOfWhatStands) {
     return std::array{box[0] - height + shift[0], box[1] - height + shift[1],
                       box[2] + height + shift[0], box[3] + height + shift[1]};
   };
+  std::vector<Building> given;
   const auto written = [&] {
-    write_openfoam(folder / "mesh", city.city.mesh, boundary, city.placement, {}, {}, buildings);
+    write_openfoam(folder / "mesh", city.city.mesh, boundary, city.placement, {}, {}, given);
     const std::string header = read_foam(folder / "mesh").points_header;
     std::istringstream words(header.substr(header.find(" town ") + 6));
     std::array<double, 4> numbers{};
@@ -206,10 +207,25 @@ TEST_F(OpenFoam, TownIsWiderByTheHeightOfWhatStands) {
     const std::array<double, 4> found = written(), expected = town(height);
     for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(found[i], expected[i], 1e-9) << i;
   };
+  expect(*tallest - low);  // without the city
+  for (std::size_t b = 0; b < buildings.size(); ++b)
+    buildings[b].h_roof = tops[b], buildings[b].source_ids = {std::to_string(b)};
+  given = buildings;
   expect(*tallest - low);
-  buildings[static_cast<std::size_t>(tallest - tops.begin())].flags = kPlanned;
+  Building& tower = given[static_cast<std::size_t>(tallest - tops.begin())];
+  tower.source_ids = {"planned:1"};
   *tallest = -kInfinity;
-  expect(*std::max_element(tops.begin(), tops.end()) - low);
+  const double next = *std::max_element(tops.begin(), tops.end());
+  expect(next - low);
+  // Merged with what stands, which is half a metre higher than all others.
+  tower.source_ids = {"1", "planned:1"};
+  for (const char* id : {"1", "planned:1"}) {
+    RoofPart& part = tower.parts.emplace_back();
+    part.outline = {{{0, 0}, {9, 0}, {9, 9}}, {}};
+    part.source_id = id;
+    part.roof.elevation = next + (tower.parts.size() == 1 ? 0.5 : 30);
+  }
+  expect(next + 0.5 - low);
 }
 
 TEST_F(OpenFoam, FacesAreThoseFoundBySorting) {

@@ -26,9 +26,9 @@ namespace tetropolis {
 /// there, in their order and even without faces, so one set of boundary conditions serves every
 /// city; solid ones (ground, roof, wall) have the type `wall`, the others `patch`.
 /// The `note` in the header of points has Placement::origin and the town: the box of the buildings,
-/// wider by the height of the highest roof above the lowest ground at a wall, without those roofs
-/// of `buildings` (which surface.building counts) that are planned. Faces of the ground within the
-/// town are the first of theirs.
+/// wider by the height of the highest roof above the lowest ground at a wall; of `buildings`, if
+/// they are given, by that of the highest roof that no planned building has. Faces of the ground
+/// within the town are the first of theirs.
 ///
 /// `zones`, if there are any, are written into the file cellZones, even those without cells, each
 /// with the further entries height, base (metres) and leafAreaDensity (1/m), which OpenFOAM skips;

@@ -69,8 +69,9 @@ struct Footprint {
   std::int64_t feature = -1;           ///< Row of FootprintsInput::attributes; -1 if there is none.
   bool from_floors = false;            ///< The height is a number of floors times floor_height.
   std::vector<StatedRoof> roofs = {};  ///< Of a city model; none: flat at `height`.
-  bool is_planned = false;  ///< Stands as it is stated, and others make way (planned.h). Of height
-                            ///< 0: nothing is to stand there.
+  bool is_planned = false;  ///< Has the height that it states, and others make way: those that it
+                            ///< covers by half, and what it covers of all. Of height 0: nothing is
+                            ///< to stand there.
 };
 
 /// A feature, or a polygon of one, that is no footprint.
