@@ -274,9 +274,7 @@ void warn_of_lost_area(const CityModel& raw, const Simplification& simple,
 
 void warn_of_roofs(const RoofFacts& roofs, Lod lod, std::vector<Warning>& warnings) {
   constexpr double kMany = 0.25;
-  // Of parts that were joined both may count.
-  const std::int64_t with_points =
-      std::max<std::int64_t>(roofs.parts - roofs.parts_without_points, 0);
+  const std::int64_t with_points = roofs.parts - roofs.parts_without_points;
   if (static_cast<double>(roofs.fallbacks) <= kMany * static_cast<double>(with_points)) return;
   warnings.push_back(
       {"roofs_below_lod", roofs.fallbacks,

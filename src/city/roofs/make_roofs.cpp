@@ -84,7 +84,6 @@ void count(const FinishedRoof& roof, const Building& building, Lod wanted, Build
   for (const FinishedPart& finished : roof.parts) {
     const RoofPart& part = finished.part;
     if (part.lod < wanted && part.n_points > 0) ++facts.fallbacks;
-    if (part.n_points == 0) ++facts.parts_without_points;
     if (finished.raised) ++facts.raised;
     facts.max_slope_deg =
         std::max(facts.max_slope_deg, std::atan(slope_of(part.roof)) * 180 / std::numbers::pi);
@@ -172,7 +171,10 @@ BuildingFacts make_roof(Building& building, const RoofInput& input, const CityMo
   building = std::move(best->building);
   count(best->roof, building, options.lod, result);
   result.facts.parts = static_cast<std::int64_t>(building.parts.size());
-  for (const RoofPart& part : building.parts) ++result.facts.parts_by_lod[name_of(part.lod)];
+  for (const RoofPart& part : building.parts) {
+    ++result.facts.parts_by_lod[name_of(part.lod)];
+    if (part.n_points == 0) ++result.facts.parts_without_points;
+  }
   return result;
 }
 
