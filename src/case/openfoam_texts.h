@@ -285,10 +285,10 @@ def compare(folder, values, theirs, most):
     rises = {place: mine - other for place, (mine, other) in pairs.items()}
     means = [math.fsum(pair[i] for pair in pairs.values()) / n for i in (0, 1)]
     covariance = [math.fsum((p[i] - means[i]) * (p[j] - means[j]) for p in pairs.values()) for i, j in ((0, 0), (1, 1), (0, 1))]
+    spread = math.sqrt(covariance[0] * covariance[1])
     print(f"against       {n} points in both: mean {means[0]:.2f} instead of {means[1]:.2f} m/s, "
-          f"root mean square of differences {math.sqrt(math.fsum(d * d for d in rises.values()) / n):.2f} m/s, "
-          f"correlation {covariance[2] / math.sqrt(covariance[0] * covariance[1]):.3f}" if min(covariance[:2]) > 0 else
-          f"against       {n} points in both: mean {means[0]:.2f} instead of {means[1]:.2f} m/s")
+          f"root mean square of differences {math.sqrt(math.fsum(d * d for d in rises.values()) / n):.2f} m/s" +
+          (f", correlation {covariance[2] / spread:.3f}" if spread > 0 else ""))
     print(f"              faster by {most / 4:g} m/s or more: {100 * sum(d >= most / 4 for d in rises.values()) / n:.1f} %, "
           f"slower: {100 * sum(d <= -most / 4 for d in rises.values()) / n:.1f} %")
     draw(folder / "against.png", rises, SPACING, most, -most, LESS_AND_MORE)

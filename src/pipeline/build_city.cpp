@@ -32,12 +32,11 @@
 #include "find_ground.h"
 #include "measured_ground.h"
 #include "memory.h"
+#include "planned.h"
 
 namespace tetropolis {
 
 namespace {
-
-bool is_planned(const Building& building) { return (building.flags & kPlanned) != 0; }
 
 [[noreturn]] void throw_no_footprint(const CityModel& raw, const std::string& source) {
   const std::string why =

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <set>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -192,19 +194,22 @@ void warn_of_other_heights(const CityModel& raw, std::vector<Warning>& warnings)
 void warn_of_plan(const FootprintsInput& footprints, const CityModel& raw, const CityModel& city,
                   std::span<const std::vector<BuildingIndex>> members, Lod lod,
                   std::vector<Warning>& warnings) {
-  std::int64_t planned = 0;
-  for (const Footprint& feature : footprints.features) planned += feature.is_planned ? 1 : 0;
-  for (const Dropped& dropped : footprints.dropped)
-    planned += dropped.source_id.starts_with(kPlannedPrefix) ? 1 : 0;
-  if (planned == 0) return;
+  std::set<std::string_view> planned;
+  const auto note = [&](const auto& features) {
+    for (const auto& feature : features)
+      if (feature.is_planned) planned.insert(feature.source_id);
+  };
+  note(footprints.features);
+  note(footprints.dropped);
+  if (planned.empty()) return;
   Warning lost{"planned_left_out", 0, {}};
   for (const Dropped& dropped : city.dropped)
-    if (dropped.cause != DropCause::kReplaced && dropped.source_id.starts_with(kPlannedPrefix) &&
+    if (dropped.cause != DropCause::kReplaced && planned.contains(dropped.source_id) &&
         lost.count++ == 0)
       lost.message = fmt::format("{}: {}", dropped.source_id, dropped.reason);
   if (lost.count > 0) {
     lost.message = fmt::format("{} of {} features of the plan have no effect (the first, {})",
-                               lost.count, planned, lost.message);
+                               lost.count, planned.size(), lost.message);
     warnings.push_back(lost);
   }
   if (lod != Lod::kBlock) return;

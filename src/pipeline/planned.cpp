@@ -25,8 +25,6 @@ constexpr double kReplaced = 0.5;
 /// Square metres that outlines drawn along one wall have in common.
 constexpr double kNoOverlap = 0.01;
 
-bool is_planned(const Building& building) { return (building.flags & kPlanned) != 0; }
-
 /// What the plan leaves of a footprint; `by`: which planned building takes of it, if any does.
 struct Rest {
   std::vector<Polygon> parts;

@@ -11,7 +11,9 @@
 
 namespace tetropolis {
 
-/// Where planned buildings stand (kPlanned), others make way: those that they cover by half or more
+inline bool is_planned(const Building& building) { return (building.flags & kPlanned) != 0; }
+
+/// Where planned buildings stand, others make way: those that they cover by half or more
 /// are dropped; of others all parts of `min_area` square metres that are left stay, or the largest
 /// where there is none. Where planned ones overlap, the highest stands, such as a tower on a
 /// podium. Those of height 0 are dropped: nothing is to stand there. The order stays. `part_id`: an

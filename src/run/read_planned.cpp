@@ -69,6 +69,7 @@ void add_planned(const Config& config, const ReadFootprintsOptions& options,
                                   path.string(), feature.source_id, path.filename().string()));
         feature.is_planned = true;
       }
+      for (UnusableFootprint& feature : planned.dropped) feature.is_planned = true;
       // Of a plan nothing is assumed: it is meant to have heights.
       std::erase_if(planned.warnings, [](const Warning& w) { return w.code == "height_assumed"; });
     }

@@ -365,6 +365,9 @@ def planned(folder, out):
     assert "feature replaced states no height" in told and "there.geojson" in told and told.count("\n") == 1, told
     # A plan on the result of another; one that is elsewhere.
     run(out / "again", "--footprints", out / "block/city.city.json", "--planned", plan)
+    small = write("small.geojson", [((0, 0, 20, 20), {"height": 50})])
+    run(out / "third", "--footprints", out / "block/city_raw.city.json", "--planned", small, "--bounds", "-30,-30,190,90")
+    assert "planned_left_out" not in City(out / "third").warnings and "planned:4" in City(out / "third").dropped
     away = write("away.geojson", [((9000, 0, 9020, 20), {"height": 9})])
     run(out / "away", *common, "--planned", away)
     assert "1 of 1 features" in City(out / "away").warnings["planned_left_out"]["message"]

@@ -77,6 +77,7 @@ struct Footprint {
 /// A feature, or a polygon of one, that is no footprint.
 struct UnusableFootprint : Dropped {
   std::int64_t feature = -1;  ///< As for Footprint.
+  bool is_planned = false;    ///< As for Footprint.
 };
 
 struct FootprintsInput {
