@@ -212,7 +212,7 @@ TEST_F(Cli, RenderDrawsWhateverTheProgramWrites) {
 
   std::ofstream(scratch / "notes.txt") << "mine";
   expect_error("render city -o notes.txt", 3, "notes.txt: is there already and no PNG");
-  expect_error("render city", 2, "usage: tetropolis render");
+  expect_error("render city", 2, "--out is required; usage: tetropolis render");
   expect_error("render city -o a.png --view side", 2, "'side' is not one of city, plan, section");
   expect_error("render city -o a.png --width 3", 2, "--width: 3 is not from 16 to 8192");
   expect_error("render city -o a.png --cut y", 2, "only the view 'section' has a plane");
