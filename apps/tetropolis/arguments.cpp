@@ -113,8 +113,8 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
     if (error.get_name() == "ArgumentMismatch")
       return what.substr(0, what.find(':')) + " has no value; write one, or leave the option out";
     if (error.get_name() == "RequiredError" && command != &app)
-      return (what.starts_with('-') ? what : "a word is missing") + "; usage: " +
-             usage_text(*command);
+      return (what.starts_with('-') ? what : "a word is missing") +
+             "; usage: " + usage_text(*command);
     return what;
   }
   const std::string& unknown = leftover.front();
