@@ -224,7 +224,7 @@ Surfaces divide_ground(std::span<const SurfaceArea> areas, std::span<const Polyg
                        const Domain& domain, double clearance) {
   constexpr double kForRounding = 5e-4;  // metres
   constexpr double kLeastSquares = 10;
-  constexpr int kTries = 6;
+  constexpr int kTries = 12;
   Surfaces result;
   std::vector<SurfaceArea> left = usable(areas, domain.bounds());
   if (left.empty()) return result;
