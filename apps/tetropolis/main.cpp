@@ -270,20 +270,27 @@ void add_check(CommandLine& line) {
             [&line, options] { return run_check(*options, line.checked, line.min_distance); });
 }
 
+/// Runs `act` with a console for what is at `where`. `added` has the settings of `check`.
+template <typename Act>
+void on_console(CommandLine& line, CLI::App& added, const std::string& where, const Act& act) {
+  const auto options = std::make_shared<ConfigOptions>(added, kCheck);
+  on_choice(line, added, [options, &where, act] {
+    const Config config = options->config();
+    const ThreadLimit limit(config.threads);
+    return with_console(config, where, [&](Console& console) {
+      act(console);
+      return 0;
+    });
+  });
+}
+
 void add_render(CommandLine& line) {
   CLI::App& added = *line.app.add_subcommand(
       "render", "Draw a folder of results, a mesh or a city model as a PNG picture");
   add_render_options(added, line.picture);
   added.footer("tetropolis render city -o section.png --view section");
-  const auto options = std::make_shared<ConfigOptions>(added, kCheck);
-  on_choice(line, added, [&line, options] {
-    const Config config = options->config();
-    const ThreadLimit limit(config.threads);
-    return with_console(config, line.picture.path, [&](Console& console) {
-      render(line.picture, console);
-      return 0;
-    });
-  });
+  on_console(line, added, line.picture.path,
+             [&line](Console& console) { render(line.picture, console); });
 }
 
 void add_case(CommandLine& line) {
@@ -291,15 +298,8 @@ void add_case(CommandLine& line) {
       "case", "Make a folder of results a case of wind that a solver runs as it is");
   add_case_options(added, line.flow);
   added.footer("tetropolis case openfoam city --wind-speed 5 --wind-from 240 --roughness 0.5");
-  const auto options = std::make_shared<ConfigOptions>(added, kCheck);
-  on_choice(line, added, [&line, options] {
-    const Config config = options->config();
-    const ThreadLimit limit(config.threads);
-    return with_console(config, line.flow.folder, [&](Console& console) {
-      make_case(line.flow, console);
-      return 0;
-    });
-  });
+  on_console(line, added, line.flow.folder,
+             [&line](Console& console) { make_case(line.flow, console); });
 }
 
 void add_init(CommandLine& line) {

@@ -245,8 +245,7 @@ OpenfoamCase write_openfoam_case(const fs::path& folder, const OpenfoamCaseOptio
   require_patches(mesh, options);
   const Places places(mesh);
   const FoamFields fields(mesh, places, options);
-  const SamplePoints samples =
-      sample_points(mesh, mesh.town, options.sample_height, options.sample_spacing);
+  const SamplePoints samples = sample_points(mesh, options.sample_height, options.sample_spacing);
   const std::vector<LeafMarks> marks = marks_of(options, mesh);
   std::vector<CaseFile> files;
   add_files_of(mesh, options, fields, marks, "pedestrian", "", files);
@@ -293,8 +292,7 @@ std::vector<OpenfoamCase> write_openfoam_cases(const fs::path& folder,
   const FoamMesh mesh = read_foam_mesh(folder / "constant/polyMesh");
   require_patches(mesh, options);
   const Places places(mesh);
-  const SamplePoints samples =
-      sample_points(mesh, mesh.town, options.sample_height, options.sample_spacing);
+  const SamplePoints samples = sample_points(mesh, options.sample_height, options.sample_spacing);
   const std::vector<LeafMarks> marks = marks_of(options, mesh);
   std::vector<FoamFields> fields;
   fields.reserve(winds.size());

@@ -57,8 +57,8 @@ void for_each_ground_node(const FoamMesh& mesh, double spacing, const Visit& vis
 
 }  // namespace
 
-SamplePoints sample_points(const FoamMesh& mesh, const Bounds2& town, double height,
-                           double spacing) {
+SamplePoints sample_points(const FoamMesh& mesh, double height, double spacing) {
+  const Bounds2& town = mesh.town;
   const auto is_inside = [&](Point2 p) { return town.empty() || town.contains(p); };
   double area = 0;  // of faces around points in the town
   for (const FoamPatch& patch : mesh.patches)

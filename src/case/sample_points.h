@@ -13,9 +13,8 @@ struct SamplePoints {
 };
 
 /// The nodes (x, y) = (i + 1/2, j + 1/2) * spacing over faces on the ground (walls that are of
-/// no building, and not water), `height` above them, in `town`, or everywhere if that is
-/// empty; row by row from the south. The spacing is doubled until they are 400,000 at most.
-SamplePoints sample_points(const FoamMesh& mesh, const Bounds2& town, double height,
-                           double spacing);
+/// no building, and not water), `height` above them, in the town, or everywhere if there is
+/// none; row by row from the south. The spacing is doubled until they are 400,000 at most.
+SamplePoints sample_points(const FoamMesh& mesh, double height, double spacing);
 
 }  // namespace tetropolis

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -41,6 +42,10 @@ std::string list_of(const std::map<std::string, std::int64_t>& counts) {
   return parts.empty() ? "none" : fmt::format("{}", fmt::join(parts, ", "));
 }
 
+std::int64_t sum(const std::array<std::int64_t, kDropCauses>& counts) {
+  return std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
+}
+
 /// Ids and reasons.
 std::vector<std::pair<std::string, std::string>> sorted_pairs(const std::vector<Dropped>& dropped) {
   std::vector<std::pair<std::string, std::string>> pairs;
@@ -68,10 +73,7 @@ void compare_buildings(const CityModel& city, const CityCheck& check, const City
   compare_count("number of footprints that are a building alone", account.kept, alone, file);
   compare_count("number of merged footprints", account.merged,
                 all_source_ids(city).size() - city.dropped.size() - alone, file);
-  compare_count("number of dropped footprints",
-                account.unusable + account.outside - account.unlisted + account.boundary +
-                    account.too_small + account.too_narrow + account.no_building +
-                    account.outlined + account.replaced,
+  compare_count("number of dropped footprints", sum(account.dropped) - account.unlisted,
                 city.dropped.size(), file);
   compare("area of footprints", report.area_after, check.area * (1 - 1e-9) - 1e-6, check.area,
           check.area * (1 + 1e-9) + 1e-6, file);
@@ -249,12 +251,11 @@ void compare_layers(const std::vector<VectorLayer>& layers, const Report& report
   };
   const FootprintAccount& account = report.city->account;
   compare_layer("buildings", report.city->buildings);
-  compare_layer("dropped", account.unusable + account.boundary + account.too_small +
-                               account.too_narrow + account.no_building + account.outlined +
-                               account.replaced);
+  const std::int64_t outside = account.of(DropCause::kOutside);
+  compare_layer("dropped", sum(account.dropped) - outside);
   // What the domain or a planned building cuts into parts is one footprint there.
   if (report.config.boundary_buildings == BoundaryBuildings::kDrop && report.config.planned.empty())
-    compare_layer("footprints", account.features + account.further_parts - account.outside);
+    compare_layer("footprints", account.features + account.further_parts - outside);
 }
 
 void compare_domain(const SurfaceCheck& surface, const std::optional<ReportedRun>& report,

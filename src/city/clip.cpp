@@ -33,9 +33,7 @@ std::vector<Polygon> clean_parts(std::vector<Polygon> parts, double least_area, 
       lost += area(part);
       continue;
     }
-    for (Point2& p : part.outer) p = snap_coordinate(p);
-    for (Ring& hole : part.holes)
-      for (Point2& p : hole) p = snap_coordinate(p);
+    for_each_vertex(part, [](Point2& p) { p = snap_coordinate(p); });
     // The cut may have left but a sliver, or left vertices a hair apart.
     CleanedFootprint clean = clean_footprint(part, {.parallel_tolerance = 0});
     lost += clean.polygon.outer.empty() ? area(part) : clean.lost_area;

@@ -238,7 +238,7 @@ BuildingPoints find_points(std::span<const Polygon* const> footprints, std::size
                      {take_lists(hits, &Hits::ground_inside, buildings),
                       take_lists(found, &Surroundings::around, buildings),
                       take_lists(found, &Surroundings::beside, buildings)},
-                     cloud, {}, portion(progress, 0.7, 0.9));
+                     cloud, portion(progress, 0.7, 0.9));
   }
   drop_outliers(points.roof, cloud, options.sigma);
   drop_outliers(points.ground, cloud, options.sigma);

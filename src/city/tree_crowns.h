@@ -7,17 +7,6 @@
 
 namespace tetropolis {
 
-struct CrownOptions {
-  double radius = 1.0;  ///< Metres around a point that are looked at, > 0; less where thirty points
-                        ///< lie within a smaller radius, on average over the building's box.
-  double share = 0.2;   ///< Of the points around, those that must lie lower, in [0, 1).
-  double height = 1.5;  ///< By how much, metres, > 0.
-  double fringe = 1.0;  ///< The same for a point beside such a one, metres, > 0.
-  double thickness = 0.15;  ///< Of a surface, as a share of the radius, > 0.
-  double clearing = 0.05;   ///< Points of trees around a building, as a share of its roof points,
-                            ///< up to which nothing is taken for crowns.
-};
-
 /// What was found at each building; as many lists in all, in the same order.
 struct CrownEvidence {
   PointLists below;   ///< Ground points inside the footprint.
@@ -54,6 +43,6 @@ struct CrownEvidence {
 /// Memory, for the building of each thread: some 40 bytes per point of its lists, and 16 MB at
 /// most.
 void drop_tree_crowns(PointLists& roof, const CrownEvidence& evidence, const PointCloud& cloud,
-                      const CrownOptions& options = {}, const Progress& progress = {});
+                      const Progress& progress = {});
 
 }  // namespace tetropolis

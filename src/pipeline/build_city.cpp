@@ -148,8 +148,7 @@ void fill_facts(const CityModel& raw, const CityModel& city, const Simplificatio
   facts.area_after = simple.stats.area_after;
   if (facts.roofs.parts > 0 || facts.domain.length > 0) {
     // Vertices of parts bend outlines by a tenth of a millimetre; a domain may leave buildings out.
-    std::vector<Polygon> footprints;
-    for (const Building& building : city.buildings) footprints.push_back(building.footprint);
+    const std::vector<Polygon> footprints = footprints_of(city);
     facts.area_after = total_area(footprints);
     facts.min_clearance = joint_clearance(footprints, city.domain).distance;
   }
@@ -355,7 +354,7 @@ void leave_out_unbuilt(const BuildCityOptions& options, const PointCloud& cloud,
   // Points of the ground alone do not tell what stands on it.
   if (sources.points.roof.values.empty()) return;
   CityModel& raw = result.raw;
-  std::vector<Building> buildings(raw.buildings.begin(), raw.buildings.end());
+  auto& buildings = raw.buildings;
   std::vector<std::size_t> measured =
       clock.run("1.5", "measured ground", [&](const Progress& progress) {
         return find_measured_ground(buildings, sources.points.roof, cloud, result.terrain,
@@ -393,12 +392,8 @@ void leave_out_unbuilt(const BuildCityOptions& options, const PointCloud& cloud,
   erase_rows(unbuilt, sources.points.by_exclusion);
   sources.points.roof = without_rows(unbuilt, sources.points.roof);
   sources.points.ground = without_rows(unbuilt, sources.points.ground);
-  raw.buildings = {};
-  for (std::size_t b = 0; b < buildings.size(); ++b) {
-    buildings[b].id = fmt::format("b{}", b);
-    raw.buildings.push_back(std::move(buildings[b]));
-  }
-  if (raw.buildings.empty() && !options.terrain_only) throw_no_footprint(raw, source);
+  for (std::size_t b = 0; b < buildings.size(); ++b) buildings[b].id = fmt::format("b{}", b);
+  if (buildings.empty() && !options.terrain_only) throw_no_footprint(raw, source);
 }
 
 /// Steps 1.3 to 1.6: `result.raw` and `result.terrain`.

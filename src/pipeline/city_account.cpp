@@ -60,39 +60,12 @@ FootprintAccount account_of(const InputFacts& input, const CityModel& model) {
   FootprintAccount account;
   account.features = input.footprints_read;
   account.further_parts = input.footprint_parts - input.footprints_read;
-  account.outside = account.unlisted = input.footprints_unlisted;
+  account.of(DropCause::kOutside) = account.unlisted = input.footprints_unlisted;
   for (const Building& building : model.buildings) {
     const std::int64_t members = std::ssize(building.source_ids);
     (members == 1 ? account.kept : account.merged) += members;
   }
-  for (const Dropped& dropped : model.dropped) {
-    switch (dropped.cause) {
-      case DropCause::kUnusable:
-        ++account.unusable;
-        break;
-      case DropCause::kOutside:
-        ++account.outside;
-        break;
-      case DropCause::kBoundary:
-        ++account.boundary;
-        break;
-      case DropCause::kTooSmall:
-        ++account.too_small;
-        break;
-      case DropCause::kTooNarrow:
-        ++account.too_narrow;
-        break;
-      case DropCause::kNotABuilding:
-        ++account.no_building;
-        break;
-      case DropCause::kOutlined:
-        ++account.outlined;
-        break;
-      case DropCause::kReplaced:
-        ++account.replaced;
-        break;
-    }
-  }
+  for (const Dropped& dropped : model.dropped) ++account.of(dropped.cause);
   return account;
 }
 
@@ -110,15 +83,16 @@ std::string account_in_words(const CityFacts& facts, const BuildCityOptions& opt
   tell(kept, account.merged,
        fmt::format("in {}, closer than {:g} m", counted(facts.merged_groups, "block"), distance));
   tell(kept, account.kept, "alone");
-  tell(dropped, account.boundary,
+  tell(dropped, account.of(DropCause::kBoundary),
        clips ? "at the boundary" : "at the boundary (`boundary_buildings` clip keeps them)");
-  tell(dropped, account.outside, kOutsideReason);
-  tell(dropped, account.too_small, fmt::format("smaller than {:g} m2", options.simplify.min_area));
-  tell(dropped, account.too_narrow, fmt::format("narrower than {:g} m", distance));
-  tell(dropped, account.no_building, "below ground or not built");
-  tell(dropped, account.outlined, "outlines of parts");
-  tell(dropped, account.replaced, "for what is planned");
-  tell(dropped, account.unusable, "without a usable outline");
+  tell(dropped, account.of(DropCause::kOutside), kOutsideReason);
+  tell(dropped, account.of(DropCause::kTooSmall),
+       fmt::format("smaller than {:g} m2", options.simplify.min_area));
+  tell(dropped, account.of(DropCause::kTooNarrow), fmt::format("narrower than {:g} m", distance));
+  tell(dropped, account.of(DropCause::kNotABuilding), "below ground or not built");
+  tell(dropped, account.of(DropCause::kOutlined), "outlines of parts");
+  tell(dropped, account.of(DropCause::kReplaced), "for what is planned");
+  tell(dropped, account.of(DropCause::kUnusable), "without a usable outline");
   std::string line = counted(account.features, "footprint");
   if (account.further_parts > 0)
     line += fmt::format(" with {} polygons", account.features + account.further_parts);

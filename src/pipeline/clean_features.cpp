@@ -87,21 +87,21 @@ Kept outside() { return {{}, 0, kOutsideReason, DropCause::kOutside}; }
 Kept at_boundary(const char* reason) { return {{}, 0, reason, DropCause::kBoundary}; }
 
 /// `cleaned.lost_area` grows by what the boundary cuts off and is left out.
-/// `is_cleared`: it is an area to be cleared, which counts as far as the domain goes.
-Kept keep_inside(const BuildCityOptions& options, bool is_cleared, const Polygon& feature,
-                 const Domain& domain, const std::optional<Bounds2>& covered,
-                 const std::optional<Domain>& outline, CleanedFootprint& cleaned,
-                 std::vector<Polygon>& crossing) {
-  if (domain.position_of(feature) == DomainPosition::kOutside) return outside();
+/// An area to be cleared counts as far as the domain goes.
+Kept keep_inside(const BuildCityOptions& options, const Footprint& feature, const Domain& domain,
+                 const std::optional<Bounds2>& covered, const std::optional<Domain>& outline,
+                 CleanedFootprint& cleaned, std::vector<Polygon>& crossing) {
+  if (domain.position_of(feature.polygon) == DomainPosition::kOutside) return outside();
   if (!cleaned.usable()) return {{}, 0, cleaned.reason};
   if (outline) {
     const DomainPosition position = outline->position_of(cleaned.polygon);
     if (position == DomainPosition::kOutside) return outside();
-    if (position == DomainPosition::kCrossing && !is_cleared)
+    if (position == DomainPosition::kCrossing && !feature.is_cleared())
       return at_boundary("crosses the domain boundary");
   }
   const std::uint32_t flags = cleaned.repaired ? kRepaired : 0U;
-  const bool is_dropped = options.boundary_buildings == BoundaryBuildings::kDrop && !is_cleared;
+  const bool is_dropped =
+      options.boundary_buildings == BoundaryBuildings::kDrop && !feature.is_cleared();
   // Of what is left: a spike without width may have reached across the boundary.
   switch (domain.position_of(cleaned.polygon)) {
     case DomainPosition::kOutside:
@@ -144,9 +144,7 @@ CleanFeatures clean_features(const BuildCityOptions& options, const FootprintsIn
   PartIds part_ids(input);
   for (std::size_t i = 0; i < clean.size(); ++i) {
     const Footprint& feature = input.features[i];
-    const bool is_cleared = feature.is_planned && !(feature.height > 0);
-    Kept kept = keep_inside(options, is_cleared, feature.polygon, domain, covered, outline,
-                            clean[i], result.crossing);
+    Kept kept = keep_inside(options, feature, domain, covered, outline, clean[i], result.crossing);
     if (kept.parts.empty()) {
       result.dropped.push_back({feature.source_id, std::move(kept.reason), kept.cause});
       continue;

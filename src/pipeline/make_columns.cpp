@@ -266,10 +266,8 @@ ColumnPlanOptions plan_options(const MeshCityOptions& options) {
 
 Columns make_columns(const MeshCityOptions& options, const CityParts& parts, const Raster& dtm,
                      const CitySize& size, GroundMesh ground, StepClock& clock, CityMesh& result) {
-  const bool solves = solves_laplace(options);
-  const auto make = solves ? smooth_columns : grade_columns;
-  Columns columns = make(options, parts, dtm, size, std::move(ground), clock, result);
-  return columns;
+  const auto make = solves_laplace(options) ? smooth_columns : grade_columns;
+  return make(options, parts, dtm, size, std::move(ground), clock, result);
 }
 
 }  // namespace tetropolis

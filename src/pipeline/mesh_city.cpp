@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "tetropolis/geometry/polygon.h"
 #include "tetropolis/ground/mesh_ground.h"
 #include "tetropolis/volume/column/boundary.h"
 
@@ -241,9 +242,7 @@ Columns columns_of(const MeshCityOptions& options, const CityModel& city, const 
 
 MeshCityOptions in_local_frame(MeshCityOptions options, Point2 origin) {
   const auto move = [&](Polygon& area) {
-    for (Point2& p : area.outer) p = {p.x - origin.x, p.y - origin.y};
-    for (Ring& hole : area.holes)
-      for (Point2& p : hole) p = {p.x - origin.x, p.y - origin.y};
+    for_each_vertex(area, [&](Point2& p) { p = {p.x - origin.x, p.y - origin.y}; });
   };
   for (SizeRegion& region : options.grading.regions) move(region.area);
   for (SurfaceArea& surface : options.surfaces) move(surface.area);

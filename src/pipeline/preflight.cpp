@@ -19,10 +19,7 @@ namespace {
 std::vector<Polygon> without_points(std::vector<Polygon> footprints, const PointCloud& cloud,
                                     std::size_t stride) {
   if (footprints.empty()) return footprints;
-  std::vector<const Polygon*> outlines;
-  outlines.reserve(footprints.size());
-  for (const Polygon& footprint : footprints) outlines.push_back(&footprint);
-  const FootprintIndex index(outlines, 0);
+  const FootprintIndex index(pointers_to(footprints), 0);
   std::vector<std::atomic<bool>> hit(footprints.size());
   constexpr std::size_t kGrain = std::size_t{1} << 15;
   parallel_chunks(cloud.size() / stride, kGrain, [&](std::size_t begin, std::size_t end) {
@@ -59,12 +56,9 @@ Preflight preflight(const PointsInput& points, const FootprintsInput& footprints
     // What a broken coordinate makes larger than a city is no building.
     constexpr double kLargest = 1e5;
     if (!covered.intersects(box) || !(std::max(box.width(), box.height()) < kLargest)) continue;
-    Polygon& outline = near.emplace_back(feature.polygon);
-    const auto shift = [&](Ring& ring) {
-      for (Point2& p : ring) p = {p.x - points.origin.x, p.y - points.origin.y};
-    };
-    shift(outline.outer);
-    for (Ring& hole : outline.holes) shift(hole);
+    for_each_vertex(near.emplace_back(feature.polygon), [&](Point2& p) {
+      p = {p.x - points.origin.x, p.y - points.origin.y};
+    });
   }
   // A few of the points find most of the footprints; the rest is then looked for with all of them.
   constexpr std::size_t kFew = 16;

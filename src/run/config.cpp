@@ -126,10 +126,8 @@ void require_text(const ConfigField& field, const std::string& text, const std::
 void set_texts(std::vector<std::string>& target, const ConfigField& field,
                std::span<const std::string> values, const std::string& origin) {
   // Paths may hold commas; names are split.
-  const bool holds_paths = field.value == "PATH" || field.name == "refine" ||
-                           field.name == "surface_layers" || field.name == "canopies";
-  target =
-      holds_paths ? std::vector<std::string>(values.begin(), values.end()) : split_lists(values);
+  const bool are_names = !field.choices.empty() || field.value == "NAME,...";
+  target = are_names ? split_lists(values) : std::vector(values.begin(), values.end());
   require_choices(field, target, origin);
   for (const std::string& text : target) require_text(field, text, origin);
 }

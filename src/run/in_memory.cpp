@@ -126,12 +126,7 @@ CityInMemory make_city(Config config, InputInMemory input, const StepHooks& hook
   if (input.footprints) config.footprints = {input.footprints->source};
   if (input.points) config.points = {input.points->source};
   require_in_range(config, kCity);
-  const bool has_outlines = !config.footprints.empty() || !config.planned.empty();
-  require_given(
-      {{has_outlines || config.terrain_only, "footprints",
-        "a vector file with building footprints, or add terrain_only"},
-       {has_outlines || !config.points.empty() || !config.dtm.empty() || !config.dsm.empty(),
-        "points", "LAS or LAZ files or a folder of them, or rasters with dtm or dsm"}});
+  require_given(needed_for_city(config));
   if (!input.footprints && !input.points) refuse_mistaken_files(config);
   const ThreadLimit limit(config.threads);
   CityInMemory city{{}, begin_report("city", config)};

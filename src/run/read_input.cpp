@@ -41,6 +41,10 @@ std::string box_text(const Bounds2& box) {
 
 std::string points_given(const Config& config) { return given_text(config.points); }
 
+std::string outlines_given(const Config& config) {
+  return given_text(config.footprints.empty() ? config.planned : config.footprints);
+}
+
 double height_unit_metres(HeightUnit unit) {
   constexpr double kFoot = 0.3048, kSurveyFoot = 1200.0 / 3937;
   if (unit == HeightUnit::kMetre) return 1;
@@ -113,7 +117,7 @@ Bounds2 reading_box(const Config& config, const FootprintsInput& footprints) {
       ErrorKind::kInput,
       fmt::format("{}: holds no footprint ({}); {}give a file with the buildings' outlines as "
                   "polygons, or add terrain_only for a mesh of the terrain alone",
-                  given_text(config.footprints), why,
+                  outlines_given(config), why,
                   config.footprints_crs.empty() ? "" : "correct footprints_crs, or "));
 }
 
@@ -131,8 +135,8 @@ void require_fits(const Config& config, const FootprintsInput& footprints, doubl
   if (next != Next::kMesh) return;
   for (const Footprint& feature : footprints.features) {
     const Ring& outer = feature.polygon.outer;
-    const bool is_cleared = feature.is_planned && !(feature.height > 0);
-    if (!is_cleared && !outer.empty() && box.contains(outer.front())) size.add(feature.polygon);
+    if (!feature.is_cleared() && !outer.empty() && box.contains(outer.front()))
+      size.add(feature.polygon);
   }
   require_mesh_fits(mesh_options(config), size);
 }
@@ -228,7 +232,7 @@ void warn_of_heights(const Config& config, const FootprintsInput& footprints,
   warnings.push_back({"height_attribute_empty",
                       static_cast<std::int64_t>(footprints.features.size()),
                       fmt::format("{}: attribute {} holds no number above 0",
-                                  given_text(config.footprints), config.height_attribute)});
+                                  outlines_given(config), config.height_attribute)});
 }
 
 /// Whether all points are in text or PLY files; throws where only some are.
@@ -271,8 +275,7 @@ RunInput read_without_points(const Config& config, Next next, StepClock& clock,
   warn_of_heights(config, input.footprints, warnings);
   if (config.bounds.empty()) bound_by_extent(input.footprints, config.parallel_tolerance);
   if (crs.empty() || input.footprints.crs.empty())
-    refuse_unmarked_degrees(input.footprints.bounds, given_text(config.footprints),
-                            "footprints_crs");
+    refuse_unmarked_degrees(input.footprints.bounds, outlines_given(config), "footprints_crs");
   refuse_degree_bounds(
       config, crs,
       rasters.box.empty() ? input.footprints.bounds : reproject_box(rasters.box, rasters.crs, crs));
@@ -337,8 +340,7 @@ RunInput read_input(const Config& config, Next next, StepClock& clock,
   if (config.bounds.empty()) bound_by_extent(input.footprints, config.parallel_tolerance);
   const std::string crs = common_crs(points_crs, input.footprints);
   if (crs.empty() || input.footprints.crs.empty())
-    refuse_unmarked_degrees(input.footprints.bounds, given_text(config.footprints),
-                            "footprints_crs");
+    refuse_unmarked_degrees(input.footprints.bounds, outlines_given(config), "footprints_crs");
   if (crs.empty()) refuse_unmarked_degrees(headers.box, paths.front().string(), "points_crs");
 
   refuse_degree_bounds(config, crs, headers.box);

@@ -108,17 +108,19 @@ void fields_of(FootprintAccount& account, const Field& field) {
       "polygons beyond the first of a feature; the counts from here to `replaced` add up to both");
   field("kept", account.kept, "integer", "footprints that are a building alone");
   field("merged", account.merged, "integer", "footprints in buildings of several");
-  field("unusable", account.unusable, "integer", "dropped: no polygon, or beyond repair");
-  field("outside", account.outside, "integer", "dropped: outside the domain");
-  field("boundary", account.boundary, "integer",
+  field("unusable", account.of(DropCause::kUnusable), "integer",
+        "dropped: no polygon, or beyond repair");
+  field("outside", account.of(DropCause::kOutside), "integer", "dropped: outside the domain");
+  field("boundary", account.of(DropCause::kBoundary), "integer",
         "dropped: across the domain's boundary, or mostly beyond the points");
-  field("too_small", account.too_small, "integer", "dropped: below `min_building_area`");
-  field("too_narrow", account.too_narrow, "integer",
+  field("too_small", account.of(DropCause::kTooSmall), "integer",
+        "dropped: below `min_building_area`");
+  field("too_narrow", account.of(DropCause::kTooNarrow), "integer",
         "dropped: nowhere as wide as `min_building_distance`");
-  field("no_building", account.no_building, "integer",
+  field("no_building", account.of(DropCause::kNotABuilding), "integer",
         "dropped: below ground or not built, by its attributes or as the ground in it is measured");
-  field("outlined", account.outlined, "integer", "dropped: its parts stand for it");
-  field("replaced", account.replaced, "integer",
+  field("outlined", account.of(DropCause::kOutlined), "integer", "dropped: its parts stand for it");
+  field("replaced", account.of(DropCause::kReplaced), "integer",
         "dropped: a planned building stands there, or nothing is to");
   field("unlisted", account.unlisted, "integer",
         "of those outside, how many are not in `city.dropped`, which has the first 100,000 beyond "

@@ -37,13 +37,9 @@ namespace {
 void require_input(const Config& config, Command command) {
   require_in_range(config, command);
   refuse_mistaken_files(config);
-  const bool has_outlines = !config.footprints.empty() || !config.planned.empty();
-  require_given(
-      {{has_outlines || config.terrain_only, "footprints",
-        "a vector file with building footprints, or add terrain_only"},
-       {has_outlines || !config.points.empty() || !config.dtm.empty() || !config.dsm.empty(),
-        "points", "LAS or LAZ files or a folder of them, or rasters with dtm or dsm"},
-       {!config.out.empty(), "out", "a folder for the results"}});
+  std::vector<Needed> needed = needed_for_city(config);
+  needed.push_back({!config.out.empty(), "out", "a folder for the results"});
+  require_given(needed);
 }
 
 /// Results never replace what the run reads.

@@ -33,7 +33,15 @@ std::string local_time(const std::string& utc) {
 
 }  // namespace
 
-void require_given(std::initializer_list<Needed> settings) {
+std::vector<Needed> needed_for_city(const Config& config) {
+  const bool has_outlines = !config.footprints.empty() || !config.planned.empty();
+  return {{has_outlines || config.terrain_only, "footprints",
+           "a vector file with building footprints, or add terrain_only"},
+          {has_outlines || !config.points.empty() || !config.dtm.empty() || !config.dsm.empty(),
+           "points", "LAS or LAZ files or a folder of them, or rasters with dtm or dsm"}};
+}
+
+void require_given(const std::vector<Needed>& settings) {
   std::vector<std::string> missing;
   for (const Needed& needed : settings)
     if (!needed.given) missing.push_back(fmt::format("`{}` ({})", needed.setting, needed.what));

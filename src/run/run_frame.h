@@ -1,7 +1,6 @@
 // What all commands begin and end with.
 #pragma once
 
-#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -21,7 +20,10 @@ struct Needed {
 };
 
 /// Throws Error(kUsage) that names all of them that are not given.
-void require_given(std::initializer_list<Needed> settings);
+void require_given(const std::vector<Needed>& settings);
+
+/// What a city is made of.
+std::vector<Needed> needed_for_city(const Config& config);
 
 Report begin_report(const char* command, const Config& config);
 

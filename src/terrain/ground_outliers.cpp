@@ -239,12 +239,14 @@ class Judge {
     heights_.clear();
     for_each_near(i, j, [&](PointNumber p) { heights_.push_back(cloud_.z[p]); });
     const double middle = median(heights_);
-    for (double& z : heights_) z = std::abs(z - middle);
-    const double most = std::max(options_.height, options_.spreads * median(heights_));
+    double most = options_.height;
     const auto is_far = [&](PointNumber p) {
       return is_open_[p] != 0 && std::abs(cloud_.z[p] - middle) > most;
     };
     const std::span<const PointNumber> own = cells_[grid_.cell(i, j)];
+    if (std::none_of(own.begin(), own.end(), is_far)) return;
+    for (double& z : heights_) z = std::abs(z - middle);
+    most = std::max(most, options_.spreads * median(heights_));
     if (std::none_of(own.begin(), own.end(), is_far)) return;
     find_alone(i, j);
     for (const PointNumber p : own)

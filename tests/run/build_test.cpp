@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <numeric>
 #include <regex>
 #include <set>
 #include <string>
@@ -878,9 +879,9 @@ TEST_F(Build, OfACountryAroundACityOnlyTheNumberIsKept) {
   const FootprintAccount& account = report.city->account;
   EXPECT_EQ(account.features, std::ssize(polygons));
   EXPECT_EQ(account.unlisted, kMore);
-  EXPECT_GE(account.outside, kListed + kMore);
-  EXPECT_EQ(account.kept + account.merged + account.outside + account.boundary + account.too_small +
-                account.too_narrow + account.no_building + account.unusable,
+  EXPECT_GE(account.of(DropCause::kOutside), kListed + kMore);
+  EXPECT_EQ(account.kept + account.merged +
+                std::accumulate(account.dropped.begin(), account.dropped.end(), std::int64_t{0}),
             account.features + account.further_parts);
   for (const char* name : {"volume.vtu", "boundary.vtp", "surface.stl", "dtm.tif"})
     EXPECT_EQ(bytes_of(fs::path(config.out) / name), bytes_of(alone / name)) << name;

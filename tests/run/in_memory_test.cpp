@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -108,16 +109,16 @@ TEST_F(InMemory, AccountCountsEveryFootprintOnce) {
     const FootprintAccount& account = built.facts.account;
     EXPECT_EQ(account.features, built.input.footprints_read);
     EXPECT_EQ(account.features + account.further_parts,
-              account.kept + account.merged + account.unusable + account.outside +
-                  account.boundary + account.too_small + account.too_narrow);
+              account.kept + account.merged +
+                  std::accumulate(account.dropped.begin(), account.dropped.end(), std::int64_t{0}));
     std::map<DropCause, std::int64_t> dropped;
     for (const Dropped& feature : built.city.dropped) ++dropped[feature.cause];
-    EXPECT_EQ(account.unusable, 1);
-    EXPECT_GT(account.outside, 0);
-    EXPECT_EQ(account.outside, dropped[DropCause::kOutside]);
-    EXPECT_EQ(account.boundary, dropped[DropCause::kBoundary]);
-    EXPECT_EQ(account.boundary > 0, boundary == BoundaryBuildings::kDrop);
-    EXPECT_EQ(account.too_small, dropped[DropCause::kTooSmall]);
+    EXPECT_EQ(account.of(DropCause::kUnusable), 1);
+    EXPECT_GT(account.of(DropCause::kOutside), 0);
+    EXPECT_EQ(account.of(DropCause::kOutside), dropped[DropCause::kOutside]);
+    EXPECT_EQ(account.of(DropCause::kBoundary), dropped[DropCause::kBoundary]);
+    EXPECT_EQ(account.of(DropCause::kBoundary) > 0, boundary == BoundaryBuildings::kDrop);
+    EXPECT_EQ(account.of(DropCause::kTooSmall), dropped[DropCause::kTooSmall]);
     std::int64_t alone = 0;
     for (const Building& building : built.city.buildings)
       alone += building.source_ids.size() == 1 ? 1 : 0;
@@ -136,21 +137,19 @@ TEST(Account, IsOneLine) {
   EXPECT_EQ(account_in_words(facts, options), "");
   facts.buildings = 46;
   facts.merged_groups = 34;
-  facts.account = {.features = 800, .kept = 12, .merged = 751, .boundary = 22, .too_small = 15};
+  facts.account = {.features = 800, .kept = 12, .merged = 751};
+  facts.account.of(DropCause::kBoundary) = 22;
+  facts.account.of(DropCause::kTooSmall) = 15;
   EXPECT_EQ(
       account_in_words(facts, options),
       "800 footprints make 46 buildings: 751 in 34 blocks, closer than 1 m, 12 alone; dropped: "
       "22 at the boundary (`boundary_buildings` clip keeps them), 15 smaller than 15 m2");
   options.boundary_buildings = BoundaryBuildings::kClip;
   facts.buildings = 1;
-  facts.account = {.features = 1,
-                   .further_parts = 5,
-                   .kept = 1,
-                   .unusable = 1,
-                   .outside = 1,
-                   .boundary = 1,
-                   .too_small = 1,
-                   .too_narrow = 1};
+  facts.account = {.features = 1, .further_parts = 5, .kept = 1};
+  for (const DropCause cause : {DropCause::kUnusable, DropCause::kOutside, DropCause::kBoundary,
+                                DropCause::kTooSmall, DropCause::kTooNarrow})
+    facts.account.of(cause) = 1;
   EXPECT_EQ(account_in_words(facts, options),
             "1 footprint with 6 polygons makes 1 building: 1 alone; dropped: 1 at the boundary, 1 "
             "outside the domain, 1 smaller than 15 m2, 1 narrower than 1 m, 1 without a usable "

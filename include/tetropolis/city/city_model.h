@@ -2,6 +2,7 @@
 // every input feature.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -112,6 +113,8 @@ enum class DropCause : std::uint8_t {
   kOutlined,      ///< An outline for which its parts stand.
   kReplaced,      ///< A planned building stands there, or nothing is to.
 };
+
+inline constexpr std::size_t kDropCauses = 8;
 
 /// The name in files: "unusable", "outside", "boundary", "too_small", "too_narrow", "no_building",
 /// "outlined", "replaced".

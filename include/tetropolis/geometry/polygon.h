@@ -81,6 +81,14 @@ double distance_to_boundary(const Polygon& polygon, Point2 p);
 /// Precondition: at least one vertex; rings do not cross.
 Point2 interior_point(const Polygon& polygon);
 
+/// Calls visit(vertex), which may move it, for every vertex of every ring, outer first.
+template <typename Visit>
+void for_each_vertex(Polygon& polygon, const Visit& visit) {
+  for (Point2& p : polygon.outer) visit(p);
+  for (Ring& hole : polygon.holes)
+    for (Point2& p : hole) visit(p);
+}
+
 /// Calls visit(a, b) for every edge of every ring, outer first.
 template <typename Visit>
 void for_each_edge(const Polygon& polygon, const Visit& visit) {

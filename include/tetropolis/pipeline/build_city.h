@@ -1,6 +1,7 @@
 // Steps 1.3 to 2.3 in memory: from points and footprints to terrain and city models.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -104,15 +105,11 @@ struct FootprintAccount {
                                    ///< first of each feature.
   std::int64_t kept = 0;           ///< Buildings of one footprint.
   std::int64_t merged = 0;         ///< Footprints in buildings of several.
-  std::int64_t unusable = 0;       ///< From here on dropped, by DropCause.
-  std::int64_t outside = 0;
-  std::int64_t boundary = 0;
-  std::int64_t too_small = 0;
-  std::int64_t too_narrow = 0;
-  std::int64_t no_building = 0;
-  std::int64_t outlined = 0;
-  std::int64_t replaced = 0;
-  std::int64_t unlisted = 0;  ///< Of `outside` again: those that are not in CityFacts::dropped.
+  std::array<std::int64_t, kDropCauses> dropped{};  ///< By DropCause.
+  std::int64_t unlisted = 0;  ///< Of those outside: those that are not in CityFacts::dropped.
+
+  std::int64_t& of(DropCause cause) { return dropped[static_cast<std::size_t>(cause)]; }
+  std::int64_t of(DropCause cause) const { return dropped[static_cast<std::size_t>(cause)]; }
 };
 
 /// What the city is.

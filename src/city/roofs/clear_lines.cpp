@@ -98,26 +98,18 @@ class Clearing {
 
   /// Of moving a node, but for an edge that vanishes.
   double cost_of_move(NodeId n, Point2 to, EdgeId gone = kNone) const {
-    const Point2 p = lines_.at(n);
-    if (p == to) return 0;
+    if (lines_.at(n) == to) return 0;
     double sum = 0;
     for (const EdgeId e : lines_.node(n).edges) {
       if (e == gone || lines_.edge(e).is_outline()) continue;
-      const Point2 o = lines_.at(lines_.edge(e).other(n));
-      const Region l = left_of(e, n), r = right_of(e, n);
-      sum += orient2d(p, o, to) > 0 ? points_.cost_of_triangle(p, o, to, l, r)
-                                    : points_.cost_of_triangle(p, o, to, r, l);
+      sum += cost_of_bend(e, n, to);
     }
     return sum;
   }
 
   double cost_of_straightening(NodeId n) const {
     const EdgeId e = lines_.node(n).edges[0], f = lines_.node(n).edges[1];
-    const NodeId a = lines_.edge(e).other(n), b = lines_.edge(f).other(n);
-    const Region l = left_of(e, a), r = right_of(e, a);
-    const Point2 p = lines_.at(a), q = lines_.at(n), s = lines_.at(b);
-    return orient2d(p, q, s) > 0 ? points_.cost_of_triangle(p, q, s, l, r)
-                                 : points_.cost_of_triangle(p, q, s, r, l);
+    return cost_of_bend(e, lines_.edge(e).other(n), lines_.at(lines_.edge(f).other(n)));
   }
 
   // ---------------------------------------------------------------- what can be done
@@ -484,10 +476,10 @@ class Clearing {
   // ---------------------------------------------------------------- regions
 
   void split() {
-    for (const Region origin : lines_.split_regions(static_cast<Region>(points_.roofs().size())))
-      split_off_.push_back(origin), points_.add_region(origin);
-    if (split_off_.empty()) return;
-    split_off_.clear();
+    const std::vector<Region> origins =
+        lines_.split_regions(static_cast<Region>(points_.roofs().size()));
+    if (origins.empty()) return;
+    for (const Region origin : origins) points_.add_region(origin);
     Bounds2 all = Bounds2::nothing();
     for (const Partition::Node& node : lines_.nodes())
       if (!node.edges.empty()) all.extend(node.p);
@@ -529,7 +521,6 @@ class Clearing {
   std::vector<Point2> too_costly_;
   std::vector<Way> ways_;
   std::vector<std::pair<Region, Region>> merges_;
-  std::vector<Region> split_off_;
 };
 
 }  // namespace

@@ -250,11 +250,11 @@ void RegionPoints::add_costs_of_moves(Point2 from, Point2 to, std::span<const Po
 RegionRoof RegionPoints::fitted(const std::vector<RegionRoof>& candidates,
                                 const std::vector<std::uint32_t>& points) const {
   RegionRoof best = candidates.front();
-  if (points.empty()) return best;
+  if (points.empty() || best.lod == Lod::kBlock) return best;
   if (best.lod != Lod::k2_2) {
     std::vector<double> heights;
     for (const std::uint32_t p : points) heights.push_back(points_[p][2]);
-    if (best.lod != Lod::kBlock) best.plane.elevation = percentile(heights, percentile_);
+    best.plane.elevation = percentile(heights, percentile_);
     return best;
   }
   double least = loss(best.plane, points);

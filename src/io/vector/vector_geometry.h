@@ -23,13 +23,6 @@ struct FlatGeometry {
   std::string reason;              ///< Why there are no parts, if there are none.
 };
 
-template <typename Visit>
-void for_each_vertex(Polygon& polygon, const Visit& visit) {
-  for (Point2& p : polygon.outer) visit(p);
-  for (Ring& hole : polygon.holes)
-    for (Point2& p : hole) visit(p);
-}
-
 /// Calls visit(position) for every vertex of the outline and all positions of the roofs.
 template <typename Visit>
 void for_each_position(Footprint& footprint, const Visit& visit) {

@@ -72,12 +72,15 @@ struct Footprint {
   bool is_planned = false;  ///< Has the height that it states, and others make way: those that it
                             ///< covers by half, and what it covers of all. Of height 0: nothing is
                             ///< to stand there.
+
+  /// Whether it is an area to be cleared.
+  bool is_cleared() const { return is_planned && !(height > 0); }
 };
 
 /// A feature, or a polygon of one, that is no footprint.
 struct UnusableFootprint : Dropped {
   std::int64_t feature = -1;  ///< As for Footprint.
-  bool is_planned = false;    ///< As for Footprint.
+  bool is_planned = false;    ///< Of a plan.
 };
 
 struct FootprintsInput {
