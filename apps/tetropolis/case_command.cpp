@@ -110,8 +110,10 @@ void tell(const CaseArguments& arguments, const std::vector<OpenfoamCase>& cases
     console.line(fmt::format(
         "note     layers end {:.1f} m above the ground, under cells {:.0f} m wide far away, where "
         "turbulence grows on the way of the wind (k to 1.5 to 2 times over 1 km): let layers reach "
-        "{:.0f} m (--boundary-layers 10 --layer-growth 1.3 reach 21 m), or lower --far-size",
-        made.open_layers_top, made.open_width, least));
+        "{:.0f} m ({}), or lower --far-size",
+        made.open_layers_top, made.open_width, least,
+        least > 21 ? "more --boundary-layers, or a larger --layer-growth"
+                   : "--boundary-layers 10 --layer-growth 1.3 reach 21 m"));
   if (std::any_of(cases.begin(), cases.end(), [](const OpenfoamCase& one) {
         return std::any_of(one.sides.begin(), one.sides.end(), is_of_other_wind);
       }))

@@ -38,7 +38,7 @@ bool has_file(const Report& report, std::string_view name) {
 std::string where(const Report& report) {
   const Bounds2& box = report.domain;
   const WindDomainFacts domain = report.city ? report.city->domain : WindDomainFacts{};
-  const bool is_fitted = domain.length > 0;
+  const bool is_fitted = !domain.inlet.empty() || domain.radius > 0;
   return fmt::format("{:.0f} m x {:.0f} m{}", is_fitted ? domain.length : box.width(),
                      is_fitted ? domain.width : box.height(),
                      report.place ? " at " + place_text(*report.place) : ", of unknown place");

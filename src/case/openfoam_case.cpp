@@ -69,9 +69,13 @@ void remove_solution(const fs::path& folder) {
     const bool is_time = is_number(name) && name != "0" && fs::exists(entry.path() / "U", error);
     const bool is_part = name.starts_with("processor") && is_number(name.substr(9));
     constexpr std::array kOthers = {"postProcessing",   "log.simpleFoam",     "log.foamRun",
-                                    "log.decomposePar", "log.reconstructPar", "pedestrian.png",
-                                    "pedestrian.pgw"};
-    if (is_time || is_part || std::find(kOthers.begin(), kOthers.end(), name) != kOthers.end())
+                                    "log.decomposePar", "log.reconstructPar", "rose.csv"};
+    const std::string stem = entry.path().stem().string(), end = entry.path().extension().string();
+    constexpr std::array kPictures = {"pedestrian", "against", "rose", "above", "comfort"};
+    const bool is_picture = (end == ".png" || end == ".pgw") &&
+                            std::find(kPictures.begin(), kPictures.end(), stem) != kPictures.end();
+    if (is_time || is_part || is_picture ||
+        std::find(kOthers.begin(), kOthers.end(), name) != kOthers.end())
       solved.push_back(entry.path());
   }
   for (const fs::path& path : solved) fs::remove_all(path, error);
@@ -88,6 +92,39 @@ void remove_leaves(const fs::path& folder, const FoamMesh& mesh, std::size_t mar
     if (std::ifstream file(folder / name); !file || !std::getline(file, line)) continue;
     if (line.starts_with(kFoamFirstWords)) fs::remove(folder / name, error);
   }
+}
+
+/// A case of one wind that is none any more; `files` as every case has. What others have put there
+/// stays.
+void remove_case(const fs::path& folder, const std::vector<CaseFile>& files) {
+  remove_solution(folder);
+  std::error_code error;
+  for (const auto& [name, text] : files) fs::remove(folder / name, error);
+  if (const fs::path mesh = folder / "constant/polyMesh"; fs::is_symlink(mesh, error))
+    fs::remove(mesh, error);
+  for (const char* made : {"0", "constant/triSurface", "constant", "system"})
+    fs::remove(folder / made, error);  // unless there is something in it
+  fs::remove(folder, error);
+}
+
+/// What an earlier case has solved, and the cases that it has besides `winds`: all of them folders,
+/// or none for a case of one wind. `files` as for remove_case.
+void remove_earlier_case(const fs::path& folder, const std::set<std::string>& winds,
+                         const std::vector<CaseFile>& files) {
+  std::error_code error;
+  std::vector<fs::path> earlier;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
+    if (fs::is_symlink(entry.path() / "constant/polyMesh", error)) earlier.push_back(entry.path());
+  for (const fs::path& wind : earlier)
+    if (winds.contains(wind.filename().string()))
+      remove_solution(wind);
+    else
+      remove_case(wind, files);
+  if (winds.empty())
+    remove_solution(folder);
+  else
+    remove_case(folder, files);
+  fs::remove(folder / "rose.py", error);
 }
 
 /// A case but for Allrun; `points` as for control.
@@ -127,30 +164,50 @@ void add_files_of(const FoamMesh& mesh, const OpenfoamCaseOptions& options,
             "viscosityModel  constant;\nnu              1.5e-05;\n"));
 }
 
+/// What two cases must have in common for their cities to be compared, but for where the wind comes
+/// from: a Python dictionary of texts.
+std::string wind_facts(const OpenfoamCaseOptions& options) {
+  std::string profile = fmt::format("logarithmic, z0 {} m", options.wind.roughness);
+  if (!options.wind.levels.empty()) {
+    const WindLevel& top = options.wind.levels.back();
+    profile = fmt::format("measured at {} heights, {} m/s and k {} m2/s2 at {} m",
+                          options.wind.levels.size(), top.speed, top.k, top.height);
+  }
+  std::string patches;
+  for (const auto& [name, value] : options.patch_roughness)
+    patches += fmt::format("{}{} {} m", patches.empty() ? "" : ", ", name, value);
+  return fmt::format(
+      R"({{"wind": "{} m/s at {} m", "profile": "{}", "roughness in town": "{} m", )"
+      R"("of buildings": "{} m", "of patches": "{}", "drag of leaves": "{}", "seen at": "{} m"}})",
+      options.wind.speed, options.wind.height, profile, options.ground_roughness,
+      options.building_roughness, patches, options.leaf_drag, options.sample_height);
+}
+
 /// What all winds over a mesh share: points and the programs that look at them. `from`: where the
 /// winds come from, as text.
 void add_shared_files(const FoamMesh& mesh, const OpenfoamCaseOptions& options,
                       const std::string& from, const SamplePoints& samples,
                       std::vector<CaseFile>& files) {
-  const std::string wind = fmt::format(
-      "{} m/s at {} m from {}, roughness {} m, in town {} m, of buildings {} m, seen at {} m",
-      options.wind.speed, options.wind.height, from, options.wind.roughness,
-      options.ground_roughness, options.building_roughness, options.sample_height);
   files.emplace_back("system/pedestrian", [&] { return pedestrian_dict(options, samples); });
   files.emplace_back("wind.py",
                      known(replaced(foam_texts::kWindPy,
                                     {{"@SPEED@", fmt::format("{}", options.wind.speed)},
                                      {"@HEIGHT@", fmt::format("{}", options.wind.height)},
-                                     {"@WIND@", wind},
+                                     {"@WIND@", wind_facts(options)},
+                                     {"@FROM@", from},
                                      {"@SAMPLE_HEIGHT@", fmt::format("{}", options.sample_height)},
                                      {"@SPACING@", fmt::format("{}", samples.spacing)},
                                      {"@X@", fmt::format("{}", mesh.origin[0])},
                                      {"@Y@", fmt::format("{}", mesh.origin[1])}})));
 }
 
-std::string allrun(const OpenfoamCaseOptions& options, const char* look) {
+std::string allrun(const OpenfoamCaseOptions& options, const FoamMesh& mesh, const char* look) {
+  std::int64_t faces = 0;
+  for (const FoamPatch& patch : mesh.patches)
+    faces += static_cast<std::int64_t>(patch.end - patch.begin);
   return replaced(foam_texts::kAllrun,
                   {{"@ARGUMENTS@", foam_texts::kArguments},
+                   {"@MESH@", fmt::format("{} {}", mesh.patches.size(), faces)},
                    {"@SOLVER@", options.dialect == FoamDialect::kOrg ? "foamRun" : "simpleFoam"},
                    {"@LOOK@", look}});
 }
@@ -249,11 +306,11 @@ OpenfoamCase write_openfoam_case(const fs::path& folder, const OpenfoamCaseOptio
   const std::vector<LeafMarks> marks = marks_of(options, mesh);
   std::vector<CaseFile> files;
   add_files_of(mesh, options, fields, marks, "pedestrian", "", files);
-  add_shared_files(mesh, options, fmt::format("{} degrees", options.wind.from), samples, files);
+  add_shared_files(mesh, options, fmt::format("{}", options.wind.from), samples, files);
   // The last: a folder with it is a whole case.
-  files.emplace_back("Allrun", known(allrun(options, "wind.py")));
+  files.emplace_back("Allrun", known(allrun(options, mesh, "wind.py")));
   if (options.overwrite)
-    remove_solution(folder);
+    remove_earlier_case(folder, {}, files);
   else
     require_new(folder, files);
   remove_scripts(folder, files);
@@ -296,13 +353,13 @@ std::vector<OpenfoamCase> write_openfoam_cases(const fs::path& folder,
   const std::vector<LeafMarks> marks = marks_of(options, mesh);
   std::vector<FoamFields> fields;
   fields.reserve(winds.size());
-  std::vector<CaseFile> files;
+  std::vector<CaseFile> files, of_one;
   add_shared_files(mesh, options, names, samples, files);
   for (const OpenfoamCaseOptions& wind : winds) {
     const std::string into = folder_of_wind(wind.wind.from) + "/";
     fields.emplace_back(mesh, places, wind);
     add_files_of(mesh, wind, fields.back(), marks, "../../system/pedestrian", into, files);
-    files.emplace_back(into + "Allrun", known(allrun(options, "../wind.py .")));
+    files.emplace_back(into + "Allrun", known(allrun(options, mesh, "../wind.py .")));
   }
   files.emplace_back(
       "rose.py",
@@ -311,10 +368,13 @@ std::vector<OpenfoamCase> write_openfoam_cases(const fs::path& folder,
   files.emplace_back(
       "Allrun", known(replaced(foam_texts::kAllrunWinds,
                                {{"@ARGUMENTS@", foam_texts::kArguments}, {"@WINDS@", names}})));
-  if (!options.overwrite) require_new(folder, files);
+  add_files_of(mesh, options, fields.front(), marks, "", "", of_one);
+  of_one.emplace_back("Allrun", known(""));
+  if (options.overwrite)
+    remove_earlier_case(folder, seen, of_one);
+  else
+    require_new(folder, files);
   remove_scripts(folder, files);
-  for (const std::string& name : seen)
-    if (options.overwrite) remove_solution(folder / name);
   write_boundary(folder, mesh);
   for (const std::string& name : seen)
     link_folder(folder / name / "constant/polyMesh", "../../constant/polyMesh");

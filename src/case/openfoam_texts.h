@@ -119,11 +119,18 @@ if ! command -v $SOLVER >/dev/null; then
   exit 1
 fi
 
+mesh=$(awk '/nFaces/ { gsub(/[^0-9]/, ""); n++; faces += $0 } END { print n, faces }' constant/polyMesh/boundary)
+if [ "$mesh" != "@MESH@" ]; then
+  echo "$PWD: constant/polyMesh is not the mesh that the case is for: make it again, tetropolis case openfoam --overwrite" >&2
+  exit 1
+fi
 if [ -z "$continue" ]; then  # what an earlier run has left
-  rm -rf processor[0-9]* postProcessing pedestrian.p?* log.$SOLVER log.decomposePar log.reconstructPar
+  rm -rf processor[0-9]* postProcessing pedestrian.p?* against.p?* log.$SOLVER log.decomposePar log.reconstructPar
   for time in [1-9]*; do
     case $time in *[!0-9.]*) ;; *) rm -rf "$time" ;; esac
   done
+elif [ -d processor0 ]; then  # by as many as have begun
+  processes=$(ls -d processor[0-9]* | wc -l)
 fi
 if [ "$processes" -eq 1 ]; then
   run $SOLVER
@@ -162,6 +169,7 @@ Python alone. CASE: another city or mesh, whose wind is compared where both have
 """
 import argparse
 import array
+import ast
 import math
 import pathlib
 import re
@@ -169,24 +177,31 @@ import struct
 import zlib
 
 REFERENCE = @SPEED@  # m/s at @HEIGHT@ m
-WIND = "@WIND@"
+WIND = @WIND@
+FROM = "@FROM@"
 SAMPLE_HEIGHT, SPACING = @SAMPLE_HEIGHT@, @SPACING@  # of the points where people are [m]
 ORIGIN = @X@, @Y@  # of the mesh, on the map
 COLOURS = [(48, 18, 59), (70, 107, 227), (27, 208, 213), (122, 252, 98), (249, 186, 57), (240, 91, 18), (122, 4, 3)]
 LESS_AND_MORE = [(5, 48, 97), (67, 147, 195), (235, 235, 235), (214, 96, 77), (103, 0, 31)]
 
 
+def logs_of(case):
+    return [case / name for name in ("log.simpleFoam", "log.foamRun") if (case / name).exists()]
+
+
 def residuals(log):
-    """Per iteration {field: first initial residual}, and the iterations with bounding."""
-    rows, bounded = [], []
+    """{iteration: {field: first initial residual}}, and the iterations with bounding."""
+    rows, bounded = {}, set()
     for block in log.split("\nTime = ")[1:]:
-        row = {}
+        now = int(float(re.match(r"[\d.]+", block)[0]))
+        for later in [time for time in rows if time >= now]:  # a run that was cut, and goes on from before
+            del rows[later]
+        rows[now] = {}
         for field, value in re.findall(r"Solving for (\w+), Initial residual = (\S+?),", block):
-            row.setdefault(field, float(value))
-        rows.append(row)
+            rows[now].setdefault(field, float(value))
         if "bounding" in block:
-            bounded.append(len(rows))
-    return rows, bounded
+            bounded.add(now)
+    return rows, bounded & set(rows)
 
 
 def numbers(data, at, count, binary):
@@ -280,7 +295,7 @@ def compare(folder, values, theirs, most):
     """`values` by place; `theirs`, those of another case, by place on the map. Writes against.png."""
     pairs = {place: (value, theirs[on_map(place)]) for place, value in values.items() if on_map(place) in theirs}
     if not pairs:
-        raise SystemExit("--against: no point in common; build both with the same --bounds or --domain FILE, or --origin")
+        raise SystemExit("--against: no point in common; build one with the folder of the other as its --domain")
     n = len(pairs)
     rises = {place: mine - other for place, (mine, other) in pairs.items()}
     means = [math.fsum(pair[i] for pair in pairs.values()) / n for i in (0, 1)]
@@ -295,24 +310,36 @@ def compare(folder, values, theirs, most):
     print(f"picture       {folder / 'against.png'}: slower by {most:g} m/s (blue) to faster (red), north up")
 
 
-def script_of(case):
-    """The wind.py of another case, or of the folder of several. Notes what is not alike."""
+def constants_of(case):
+    """WIND, FROM and ORIGIN of another case or folder of several, {} if it is none."""
     case = case.resolve()
-    scripts = [path for path in (case / "wind.py", case.parent / "wind.py") if path.exists()]
-    text = scripts[0].read_text() if scripts else ""
-    wind = re.search(r'^WIND = "(.*)"', text, re.M)
-    if wind and wind[1] != WIND:
-        print(f"note          differences are not of the cities alone: {wind[1]} there, {WIND} here")
-    return text
+    for script in (case / "wind.py", case.parent / "wind.py"):
+        if script.exists():
+            found = re.findall(r"^(WIND|FROM|ORIGIN) = ([^#\n]*)", script.read_text(), re.M)
+            return {name: ast.literal_eval(value.strip()) for name, value in found}
+    return {}
 
 
-def points_of(case):
-    """{place on the map: speed} of another case."""
-    found = re.search(r"^ORIGIN = (\S+), (\S+)", script_of(case), re.M)
-    points = people(case)
-    if not found or not points:
+def note_differences(here, there):
+    """Of the wind and of what the case makes of the ground."""
+    if unlike := [f"{name} {there.get(name)} there, {value} here" for name, value in here.items() if there.get(name) != value]:
+        print(f"note          differences are not of the cities alone: {'; '.join(unlike)}")
+
+
+def direction_of(case, written):
+    """Where the wind comes from; one of several has it in its name."""
+    name = case.resolve().name
+    return f"{float(name[1:]):g}" if name.startswith("w") and name in written.split() else written
+
+
+def points_of(case, mine):
+    """{place on the map: speed} of another case than `mine`."""
+    there, points = constants_of(case), people(case)
+    if not there or not points:
         raise SystemExit(f"--against: {case} is no case that is solved")
-    return {on_map(place, (float(found[1]), float(found[2]))): speed for place, (_, speed) in points.items()}
+    note_differences({"wind from": direction_of(mine, FROM), **WIND},
+                     {"wind from": direction_of(case, there.get("FROM", "")), **there["WIND"]})
+    return {on_map(place, there["ORIGIN"]): speed for place, (_, speed) in points.items()}
 
 
 def main():
@@ -322,17 +349,16 @@ def main():
     parser.add_argument("--against", type=pathlib.Path, metavar="CASE", help="another case, to compare with")
     arguments = parser.parse_args()
     case = arguments.case
-    logs = [case / name for name in ("log.simpleFoam", "log.foamRun") if (case / name).exists()]
-    if logs:
+    if logs := logs_of(case):
         log = max(logs, key=lambda path: path.stat().st_mtime).read_text(errors="replace")
         rows, bounded = residuals(log)
         if rows:
-            below = [all(value < 1e-3 for value in row.values()) for row in rows]
-            first = len(below) - below[::-1].index(False) + 1 if False in below else 1
-            print(f"iterations    {len(rows)}; all residuals below 1e-3 " +
-                  (f"from {first} on" if first <= len(rows) else "never") +
-                  f"; bounding {'last at ' + str(bounded[-1]) if bounded else 'never'}")
-            print("residuals     " + ", ".join(f"{field} {value:.1e}" for field, value in rows[-1].items()))
+            last = max(rows)
+            above = [time for time, row in rows.items() if any(value >= 1e-3 for value in row.values())]
+            first = max(above, default=0) + 1
+            print(f"iterations    {last}; all residuals below 1e-3 {f'from {first} on' if first <= last else 'never'}; "
+                  f"bounding {f'last at {max(bounded)}' if bounded else 'never'}")
+            print("residuals     " + ", ".join(f"{field} {value:.1e}" for field, value in rows[last].items()))
     times = sorted((float(path.name), path) for path in case.iterdir()
                    if re.fullmatch(r"[0-9.]+", path.name) and float(path.name) > 0)
     if not times:
@@ -355,7 +381,7 @@ def main():
     draw(case / "pedestrian.png", speeds, SPACING, arguments.max)
     print(f"picture       {case / 'pedestrian.png'}: 0 to {arguments.max:g} m/s, north up, buildings grey")
     if arguments.against:
-        compare(case, speeds, points_of(arguments.against), REFERENCE / 2)
+        compare(case, speeds, points_of(arguments.against, case), REFERENCE / 2)
 
 
 if __name__ == "__main__":

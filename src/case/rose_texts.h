@@ -34,14 +34,15 @@ with how often the wind comes from there (any unit), its mean speed at the heigh
 shape of its Weibull distribution (2 if it is not given, Rayleigh's). A row belongs to the nearest of the directions, to
 both where it lies halfway. A row of speed 0 is calm: time without wind, of any direction.
 With it: the mean speed, and the shares of time above the threshold (5 m/s: comfort in NEN 8100) and 15 m/s (danger).
-FOLDER: another city or mesh with a rose.csv, whose means are compared where both have a point.
+FOLDER: another city or mesh with a rose.csv; the winds that both have are compared where both have a point, by the same
+frequencies.
 """
 import argparse
 import csv
 import math
 import pathlib
 
-from wind import ORIGIN, SPACING, compare, draw, on_map, people, script_of
+from wind import ORIGIN, SPACING, WIND, compare, constants_of, draw, logs_of, note_differences, on_map, people
 
 WINDS = "@WINDS@".split()
 REFERENCE = @SPEED@  # m/s of the undisturbed wind
@@ -106,8 +107,23 @@ def classed(values, classes):
 
 def says(case, words):
     """Whether the solver's log, if there is one, has these words."""
-    logs = [case / name for name in ("log.simpleFoam", "log.foamRun") if (case / name).exists()]
+    logs = logs_of(case)
     return not logs or any(words in log.read_text(errors="replace") for log in logs)
+
+
+def ratios_of(folder, winds):
+    """{place on the map: {wind: ratio}} of another rose, which has a rose.csv."""
+    table = folder / "rose.csv"
+    try:
+        with open(table, newline="") as file:
+            rows = list(csv.DictReader(file))
+        theirs = {on_map((float(row["x"]), float(row["y"])), (0, 0)): {w: float(row[w]) for w in winds if w in row} for row in rows}
+    except OSError as error:
+        raise SystemExit(f"{table}: {error.strerror}; solve that rose, too") from None
+    except (KeyError, TypeError, ValueError):
+        raise SystemExit(f"{table}: is no table of rose.py") from None
+    note_differences(WIND, constants_of(folder).get("WIND", {}))
+    return theirs
 
 
 def main():
@@ -126,12 +142,14 @@ def main():
     solved = [wind for wind in WINDS if found[wind]]
     if not solved:
         raise SystemExit(f"{folder}: no wind is solved yet: ./Allrun")
+    for stale in [folder / f"{name}.{end}" for name in ("rose", "above", "comfort", "against") for end in ("png", "pgw")]:
+        stale.unlink(missing_ok=True)
     if missing:
         print(f"note          not solved to the end, and left out: {' '.join(missing)}")
     if unfinished := [wind for wind in solved if not says(folder / wind, "solution converged")]:
         print(f"note          residuals are not below their limits yet: {' '.join(unfinished)}")
     places = sorted(set.intersection(*(set(points) for points in found.values() if points)), key=lambda p: (p[1], p[0]))
-    ratios = {p: [found[wind][p][1] / REFERENCE for wind in solved] for p in places}
+    ratios = {p: {wind: found[wind][p][1] / REFERENCE for wind in solved} for p in places}
 
     columns, comfort = {}, {}
     rows = read_frequencies(frequencies) if frequencies else []
@@ -139,27 +157,30 @@ def main():
     if lacking:
         print(f"note          {frequencies.name} is not applied: {' '.join(lacking)} not solved")
         rows = []
+
+    def mean_speed(r):
+        return math.fsum(share * r[wind] * speed for wind, share, speed, _ in rows)
+
+    def time_above(limit, r):
+        return math.fsum(share * above(limit, r[wind] * speed, shape) for wind, share, speed, shape in rows)
+
     if rows:
-        rows = [(solved.index(wind), *more) for wind, *more in rows]
-        columns["mean_speed"] = {p: math.fsum(share * r[i] * speed for i, share, speed, _ in rows)
-                                 for p, r in ratios.items()}
+        columns["mean_speed"] = {p: mean_speed(r) for p, r in ratios.items()}
         for limit in arguments.threshold, 15:
-            columns[f"above_{limit:g}"] = {
-                p: math.fsum(share * above(limit, r[i] * speed, shape) for i, share, speed, shape in rows)
-                for p, r in ratios.items()}
+            columns[f"above_{limit:g}"] = {p: time_above(limit, r) for p, r in ratios.items()}
         if arguments.threshold == 5:
             comfort = {p: class_of(share, COMFORT) for p, share in columns["above_5"].items()}
     else:
-        columns["mean"] = {p: math.fsum(r) / len(r) for p, r in ratios.items()}
-        columns["highest"] = {p: max(r) for p, r in ratios.items()}
-        columns["highest_from"] = {p: float(solved[r.index(max(r))][1:]) for p, r in ratios.items()}
+        columns["mean"] = {p: math.fsum(r.values()) / len(r) for p, r in ratios.items()}
+        columns["highest"] = {p: max(r.values()) for p, r in ratios.items()}
+        columns["highest_from"] = {p: float(max(r, key=r.get)[1:]) for p, r in ratios.items()}
 
     with open(folder / "rose.csv", "w", newline="") as file:
         table = csv.writer(file)
         table.writerow(["x", "y", "z", *solved, *columns, *(["comfort"] if comfort else [])])
         for p in places:
             table.writerow([f"{ORIGIN[0] + p[0]:.10g}", f"{ORIGIN[1] + p[1]:.10g}", f"{found[solved[0]][p][0]:.8g}",
-                            *(f"{r:.4f}" for r in ratios[p]), *(f"{column[p]:.5g}" for column in columns.values()),
+                            *(f"{r:.4f}" for r in ratios[p].values()), *(f"{column[p]:.5g}" for column in columns.values()),
                             *([COMFORT[comfort[p]][0]] if comfort else [])])
     print(f"table         {folder / 'rose.csv'}: {len(places)} points, speed over {REFERENCE:g} m/s for {len(solved)} winds")
 
@@ -182,19 +203,21 @@ def main():
     else:
         show("rose", columns["mean"], 1, "mean of all winds over the undisturbed one, 0 to 1")
     if arguments.against:
-        script_of(arguments.against)
-        name, unit = ("mean_speed", 1) if rows else ("mean", REFERENCE)
-        try:
-            with open(arguments.against / "rose.csv", newline="") as file:
-                others = {on_map((float(row["x"]), float(row["y"])), (0, 0)): row for row in csv.DictReader(file)}
-            theirs = {place: unit * float(row[name]) for place, row in others.items()}
-        except OSError as error:
-            raise SystemExit(f"{arguments.against / 'rose.csv'}: {error.strerror}") from None
-        except (KeyError, TypeError, ValueError):
-            raise SystemExit(f"{arguments.against / 'rose.csv'}: has no {name}; give both the same frequencies") from None
-        compare(folder, {p: unit * value for p, value in columns[name].items()}, theirs, REFERENCE / 2)
-        pairs = [(value, others[on_map(p)].get("comfort")) for p, value in comfort.items() if on_map(p) in others]
-        pairs = [(value, "ABCDE".index(other)) for value, other in pairs if other]
+        theirs = ratios_of(arguments.against, solved)
+        common = [wind for wind in solved if all(wind in r for r in theirs.values())]
+        if needed := sorted({wind for wind, *_ in rows} - set(common)):
+            raise SystemExit(f"{arguments.against}: {' '.join(needed)} not solved there, which the frequencies need")
+        if not common:
+            raise SystemExit(f"{arguments.against}: has none of the winds {' '.join(solved)}")
+        if not rows and len(common) < len(solved):
+            print(f"note          compared over the winds that both have: {' '.join(common)}")
+
+        def speed_of(r):
+            return mean_speed(r) if rows else REFERENCE * math.fsum(r[wind] for wind in common) / len(common)
+
+        compare(folder, {p: speed_of(r) for p, r in ratios.items()}, {p: speed_of(r) for p, r in theirs.items()}, REFERENCE / 2)
+        pairs = [(value, class_of(time_above(5, theirs[on_map(p)]), COMFORT)) for p, value in comfort.items()
+                 if on_map(p) in theirs]
         if pairs:
             print(f"NEN 8100      comfort: better at {100 * sum(a < b for a, b in pairs) / len(pairs):.1f} % of the points, "
                   f"worse at {100 * sum(a > b for a, b in pairs) / len(pairs):.1f} %")

@@ -406,8 +406,8 @@ HeightSources make_raw_city(const BuildCityOptions& options, CityInput& input, S
   raw.crs = input.crs;
   result.terrain = make_terrain(options, input, clock, result);
   std::optional<Domain> outline;
-  if (options.domain.shape == DomainShape::kPolygon)
-    outline = polygon_domain(options.domain.polygon, raw.origin);
+  if (options.domain.shape == DomainShape::kGiven)
+    outline = in_local_frame(options.domain.given.sides, raw.origin);
   CleanFeatures clean = clock.run("1.4", "clean footprints", [&](const Progress& progress) {
     return clean_features(options, input.footprints, raw.domain, input.covered, outline,
                           result.warnings, progress);

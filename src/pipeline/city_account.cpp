@@ -74,7 +74,7 @@ std::string account_in_words(const CityFacts& facts, const BuildCityOptions& opt
   if (account.features == 0) return {};
   const double distance = options.simplify.min_distance;
   const bool clips = options.boundary_buildings == BoundaryBuildings::kClip ||
-                     options.domain.shape == DomainShape::kPolygon;
+                     options.domain.shape == DomainShape::kGiven;
   std::vector<std::string> kept, dropped;
   const auto tell = [](std::vector<std::string>& list, std::int64_t count,
                        const std::string& what) {

@@ -193,9 +193,9 @@ void fit_cylinder(const Surroundings& around, int sectors, CityModel& city,
                          facts.radius, sectors);
 }
 
-void take_polygon(const Polygon& polygon, double min_distance, CityModel& city,
-                  std::vector<Warning>& warnings) {
-  city.domain = polygon_domain(polygon, city.origin);
+void take_given(const GivenDomain& given, double min_distance, CityModel& city,
+                std::vector<Warning>& warnings) {
+  city.domain = in_local_frame(given.sides, city.origin);
   const std::size_t before = city.dropped.size();
   const std::size_t left_out = drop_unmeshable(city, min_distance);
   if (left_out == 0) return;
@@ -208,12 +208,10 @@ void take_polygon(const Polygon& polygon, double min_distance, CityModel& city,
 
 }  // namespace
 
-Domain polygon_domain(const Polygon& polygon, Point2 origin) {
+Domain polygon_domain(const Polygon& polygon) {
   Ring ring;
   for (const Point2 p : polygon.outer)
-    if (const Point2 q = snap_coordinate(Point2{p.x - origin.x, p.y - origin.y});
-        ring.empty() || q != ring.back())
-      ring.push_back(q);
+    if (const Point2 q = snap_coordinate(p); ring.empty() || q != ring.back()) ring.push_back(q);
   if (ring.size() > 1 && ring.front() == ring.back()) ring.pop_back();
   if (!polygon.holes.empty() || ring.size() < 3 || !geos::is_valid(std::array{Polygon{ring, {}}}))
     throw Error(ErrorKind::kInput,
@@ -228,6 +226,17 @@ Domain polygon_domain(const Polygon& polygon, Point2 origin) {
   }
   if (is_one) infos.push_back({own_patch(0), "side", PatchKind::kSide});
   return {std::move(ring), std::move(patches), std::move(infos)};
+}
+
+Domain in_local_frame(const Domain& domain, Point2 origin) {
+  Ring ring;
+  std::vector<Patch> patches;
+  for (const Domain::Side& side : domain.sides()) {
+    ring.push_back(snap_coordinate(Point2{side.from.x - origin.x, side.from.y - origin.y}));
+    patches.push_back(side.patch);
+  }
+  if (domain.is_box()) return bounds(ring);
+  return {std::move(ring), std::move(patches), domain.own_patches()};
 }
 
 double frontal_area(const CityModel& city, Point2 along) {
@@ -277,13 +286,15 @@ WindDomainFacts fit_wind_domain(const WindDomainOptions& options, double min_dis
   if (options.shape == DomainShape::kData) return facts;
   const Bounds2 data = city.domain.bounds();
   facts.data = data.moved(city.origin);
-  if (options.shape == DomainShape::kPolygon)
-    take_polygon(options.polygon, min_distance, city, warnings);
+  if (options.shape == DomainShape::kGiven)
+    take_given(options.given, min_distance, city, warnings);
   else if (city.buildings.empty())
     throw Error(ErrorKind::kInput,
                 "domain: without buildings their height does not tell how wide it is; give a "
                 "polygon, or `bounds` and domain = \"data\"");
 
+  const bool has_top = std::isfinite(options.given.top);
+  double height = 0;  // of the cross-section that buildings block
   Surroundings around;
   around.along =
       options.shape == DomainShape::kCylinder ? Point2{1, 0} : direction_of(options.wind_from_deg);
@@ -302,7 +313,10 @@ WindDomainFacts fit_wind_domain(const WindDomainOptions& options, double min_dis
     facts.guideline_height = (1 + kAbove) * around.height;
     facts.guideline_blockage = around.frontal / (facts.guideline_width * facts.guideline_height);
     city.domain_top = guideline_top(city);
+    height = facts.guideline_height;
+    if (has_top) height += options.given.top - city.domain_top;
   }
+  if (has_top) city.domain_top = options.given.top;
   if (options.shape == DomainShape::kBox) {
     fit_box(around, city, facts);
   } else if (options.shape == DomainShape::kCylinder) {
@@ -312,7 +326,7 @@ WindDomainFacts fit_wind_domain(const WindDomainOptions& options, double min_dis
     facts.length = extent.width();
     facts.width = extent.height();
   }
-  if (around.height > 0) facts.blockage = around.frontal / (facts.width * facts.guideline_height);
+  if (around.height > 0) facts.blockage = around.frontal / (facts.width * height);
   if (facts.blockage > kMostBlockage * (1 + 1e-9))
     warnings.push_back({"domain_blockage", 1,
                         fmt::format("buildings block {:.1f} % of the domain's cross-section (at "

@@ -107,10 +107,10 @@ std::vector<ConfigField> input_fields() {
       {.name = "domain",
        .member = &C::domain,
        .help = "data: where there are data, or `bounds`; auto: a box around the buildings by COST "
-               "732 and AIJ, widened until they block 3 % of it; cylinder: one for all winds; or a "
-               "file with a polygon. Terrain beyond the buildings fades to level, but for that of "
-               "`dtm`",
-       .value = "data|auto|cylinder|FILE",
+               "732 and AIJ, widened until they block 3 % of it; cylinder: one for all winds; a "
+               "file with a polygon; or a folder of results, whose domain and top it gets. Terrain "
+               "beyond the buildings fades to level, but for that of `dtm`",
+       .value = "data|auto|cylinder|FILE|FOLDER",
        .common = true},
       {.name = "wind_from",
        .member = &C::wind_from,

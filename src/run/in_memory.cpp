@@ -73,7 +73,7 @@ BuiltCity make_city(const Config& config, Next next, const InputInMemory& given,
   StepClock clock(hooks, report.steps);
   RunInput input = read_input(config, next, clock, report.warnings, given);
   BuildCityOptions options = city_options(config);
-  options.domain.polygon = read_domain(
+  options.domain.given = read_domain(
       config, input.points.crs.empty() ? input.footprints.crs : input.points.crs, report.warnings);
   options.canopy_heights = canopy_heights;
   report.preflight = preflight(input.points, input.footprints, options.bounds);

@@ -7,7 +7,7 @@ namespace tetropolis {
 DomainShape domain_shape(const Config& config) {
   if (config.domain == "data") return DomainShape::kData;
   if (config.domain == "auto") return DomainShape::kBox;
-  return config.domain == "cylinder" ? DomainShape::kCylinder : DomainShape::kPolygon;
+  return config.domain == "cylinder" ? DomainShape::kCylinder : DomainShape::kGiven;
 }
 
 BuildCityOptions city_options(const Config& config) {

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -12,9 +13,13 @@
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
+#include "tetropolis/io/cityjson/cityjson.h"
+#include "tetropolis/io/crs/crs.h"
+#include "tetropolis/run/report.h"
 
 #include "options_of.h"
 #include "read_areas.h"
+#include "result_files.h"
 
 namespace tetropolis {
 
@@ -41,6 +46,21 @@ std::optional<Bounds2> box_of(std::string_view text) {
     text.remove_prefix(i == 3 ? text.size() : comma + 1);
   }
   return Bounds2{sides[0], sides[1], sides[2], sides[3]};
+}
+
+GivenDomain domain_of_results(const std::filesystem::path& folder, const std::string& crs) {
+  const std::filesystem::path file = folder / results::kCity;
+  const CityModel city = read_city(file);
+  if (city.domain.empty())
+    throw Error(ErrorKind::kInput, file.string() + ": has no domain; give a polygon");
+  if (!crs.empty() && !city.crs.empty() && !same_horizontal_crs(city.crs, crs))
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: its domain is in {}, this city is in {}; give a polygon",
+                            file.string(), crs_name(city.crs), crs_name(crs)));
+  const std::optional<ReadReport> made = read_report(folder);
+  const bool has_mesh = made && made->report.volume_mesh;
+  return {city.domain.moved(city.origin),
+          has_mesh ? made->report.volume_mesh->top : city.domain_top};
 }
 
 }  // namespace
@@ -87,13 +107,16 @@ std::vector<SizeRegion> read_size_regions(const Config& config, const std::strin
   return regions;
 }
 
-Polygon read_domain(const Config& config, const std::string& crs, std::vector<Warning>& warnings) {
-  if (domain_shape(config) != DomainShape::kPolygon) return {};
+GivenDomain read_domain(const Config& config, const std::string& crs,
+                        std::vector<Warning>& warnings) {
+  if (domain_shape(config) != DomainShape::kGiven) return {};
+  if (std::filesystem::exists(std::filesystem::path(config.domain) / results::kCity))
+    return domain_of_results(config.domain, crs);
   FootprintsInput input = read_areas(config.domain, crs, false, warnings);
   if (input.features.empty())
     throw Error(ErrorKind::kInput,
                 config.domain + ": has no polygon for the domain; give one, or domain = \"auto\"");
-  return std::move(input.features.front().polygon);
+  return {polygon_domain(input.features.front().polygon)};
 }
 
 }  // namespace tetropolis

@@ -6,6 +6,7 @@
 
 #include "tetropolis/core/warning.h"
 #include "tetropolis/ground/mesh_ground.h"
+#include "tetropolis/pipeline/wind_domain.h"
 #include "tetropolis/run/config.h"
 
 namespace tetropolis {
@@ -26,8 +27,11 @@ RefineEntry parse_refine(const std::string& text);
 std::vector<SizeRegion> read_size_regions(const Config& config, const std::string& crs,
                                           std::vector<Warning>& warnings);
 
-/// The polygon of `domain`, in the coordinates of `crs`; of several features the first. Empty if
-/// `domain` is no file. Throws Error(kInput) as read_footprints, and without a polygon.
-Polygon read_domain(const Config& config, const std::string& crs, std::vector<Warning>& warnings);
+/// What `domain` names, in the coordinates of `crs`: the polygon of a file, of several features the
+/// first, or the domain of the city in a folder of results, and the top of its mesh. Empty if it
+/// names neither. Throws Error(kInput) as read_footprints and read_city, without a polygon, and for
+/// a city in another system.
+GivenDomain read_domain(const Config& config, const std::string& crs,
+                        std::vector<Warning>& warnings);
 
 }  // namespace tetropolis

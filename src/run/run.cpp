@@ -172,7 +172,7 @@ std::vector<std::string> input_files(const Config& config) {
   if (!config.city.empty()) files.push_back(config.city);
   for (const auto* given : {&config.footprints, &config.points, &config.dtm, &config.dsm})
     files.insert(files.end(), given->begin(), given->end());
-  if (domain_shape(config) == DomainShape::kPolygon) files.push_back(config.domain);
+  if (domain_shape(config) == DomainShape::kGiven) files.push_back(config.domain);
   for (const std::string& entry : config.refine)
     if (std::string file = parse_refine(entry).file; !file.empty()) files.push_back(file);
   for (const std::string& entry : config.surface_layers)

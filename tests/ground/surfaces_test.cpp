@@ -196,7 +196,8 @@ TEST_P(SurfacesOfTowns, AreRegionsOfTheGroundMesh) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Towns, SurfacesOfTowns,
-                         ::testing::Values(1U, 2U, 511184U, testing::test_seed(), testing::test_seed() + 1));
+                         ::testing::Values(1U, 2U, 511184U, testing::test_seed(),
+                                           testing::test_seed() + 1));
 
 TEST(Surfaces, WithoutAreasThereIsNothing) {
   const Domain domain{0, 0, 50, 50};

@@ -314,8 +314,9 @@ TEST(WindDomain, TerrainThatIsKnownStays) {
 
 TEST(WindDomain, PolygonKeepsTheBuildingsInIt) {
   Model model = small_model();
-  WindDomainOptions options{DomainShape::kPolygon};
-  options.polygon.outer = {{85000, 447000}, {85400, 447000}, {85400, 447010}, {85000, 447070}};
+  WindDomainOptions options{DomainShape::kGiven};
+  const auto give = [&](const Ring& ring) { options.given = {polygon_domain({ring, {}})}; };
+  give({{85000, 447000}, {85400, 447000}, {85400, 447010}, {85000, 447070}});
   std::vector<Warning> warnings;
   fit_wind_domain(options, 1, model.city, model.terrain, warnings);
   EXPECT_EQ(model.city.buildings.size(), 5U);
@@ -329,22 +330,46 @@ TEST(WindDomain, PolygonKeepsTheBuildingsInIt) {
     }
   EXPECT_EQ(model.city.domain.sides()[2].patch, static_cast<Patch>(11));
   EXPECT_EQ(name_of_side(model.city.domain, static_cast<Patch>(11)), "side_3");
-  options.polygon.outer = {{85000, 447000}, {85100, 447100}, {85100, 447000}, {85000, 447100}};
-  Model crossed = small_model();
-  EXPECT_THROW(fit(options, crossed), Error);
-  options.polygon.outer = {{85000, 447000}, {85100, 447000}, {85100, 447070}, {85000, 447070}};
+  EXPECT_THROW(give({{85000, 447000}, {85100, 447100}, {85100, 447000}, {85000, 447100}}), Error);
+  give({{85000, 447000}, {85100, 447000}, {85100, 447070}, {85000, 447070}});
   Model cut = small_model();
   fit_wind_domain(options, 1, cut.city, cut.terrain, warnings);
   EXPECT_EQ(cut.city.buildings.size(), 6U);
   EXPECT_EQ(warnings.back().code, "domain_blockage");
 }
 
+TEST(WindDomain, AnotherCityGetsTheSame) {
+  for (const WindDomainOptions& options :
+       {WindDomainOptions{DomainShape::kBox}, WindDomainOptions{DomainShape::kBox, 240},
+        WindDomainOptions{DomainShape::kCylinder}}) {
+    Model first = small_model();
+    fit(options, first);
+    Model second = small_model();
+    add_building(second.city, {130, 20, 133, 91}, 4, 40);
+    second.city.origin = {84990, 447010};
+    WindDomainOptions given{DomainShape::kGiven};
+    given.given = {first.city.domain.moved(first.city.origin), first.city.domain_top};
+    fit(given, second);
+    const auto before = first.city.domain.sides(), after = second.city.domain.sides();
+    ASSERT_EQ(before.size(), after.size());
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      EXPECT_EQ(snap_coordinate(Point2{before[i].from.x + 10, before[i].from.y - 10}),
+                after[i].from);
+      EXPECT_EQ(name_of_side(first.city.domain, before[i].patch),
+                name_of_side(second.city.domain, after[i].patch));
+    }
+    EXPECT_EQ(first.city.domain_top, second.city.domain_top);
+    EXPECT_LT(second.city.domain_top, guideline_top(second.city));
+  }
+}
+
 TEST(WindDomain, PolygonIsBlockedForTheWindThatBlows) {
   for (const double wind_from : {270.0, 0.0, 225.0}) {
     Model model = small_model();
     add_building(model.city, {130, 20, 133, 91}, 4, 18);  // a slab across a wind from the west
-    WindDomainOptions options{DomainShape::kPolygon, wind_from};
-    options.polygon.outer = {{84900, 446900}, {85300, 446900}, {85300, 447200}, {84900, 447200}};
+    WindDomainOptions options{DomainShape::kGiven, wind_from};
+    options.given = {
+        polygon_domain({{{84900, 446900}, {85300, 446900}, {85300, 447200}, {84900, 447200}}, {}})};
     const WindDomainFacts facts = fit(options, model);
     const double angle = wind_from * std::numbers::pi / 180;
     const double length = std::abs(400 * std::sin(angle)) + std::abs(300 * std::cos(angle));

@@ -257,6 +257,9 @@ def check_rose(program, folder):
     if shutil.which("simpleFoam"):
         said = run(moved / "Allrun", env={**os.environ, "FOAM_SIGFPE": "true"})
         assert said.count("fastest cell") == 3 and "for 3 winds" in said, said
+        said = run(sys.executable, moved / "wind.py", moved / "w030", "--against", moved / "w240")
+        assert "of the cities alone: wind from 240 there, 30 here\n" in said, said
+        said = run(sys.executable, moved / "rose.py")
         assert "not below their limits yet: w030 w240 w337.5" in said, said  # two iterations
         rows = (moved / "rose.csv").read_text().splitlines()
         assert rows[0] == "x,y,z,w030,w240,w337.5,mean,highest,highest_from" and len(rows) > 1000, rows[:2]
@@ -333,6 +336,15 @@ def check_rose(program, folder):
     assert f"2 points in both: mean {sum(means[0]) / 2:.2f} instead of {sum(means[1]) / 2:.2f} m/s" in said and f"differences {rms:.2f} m/s" in said, said
     assert "slower: 50.0 %" in said and "comfort: better at 50.0 % of the points, worse at 0.0 %" in said, said
     assert (moved / "against.png").read_bytes().startswith(b"\x89PNG")
+    # Only what both have is compared.
+    path.unlink()
+    run(sys.executable, other / "rose.py")
+    done = subprocess.run([sys.executable, moved / "rose.py", "--against", other], capture_output=True, text=True)
+    assert done.returncode != 0 and "w240 not solved there" in done.stderr and done.stderr.count("\n") == 1, done
+    (moved / "frequencies.csv").unlink()
+    said = run(sys.executable, moved / "rose.py", "--against", other)
+    assert "winds that both have: w030\n" in said and "mean 4.50 instead of 4.50 m/s" in said, said
+    assert not (moved / "comfort.png").exists(), "of frequencies that are gone"
     done = subprocess.run([sys.executable, moved / "rose.py", "--against", folder], capture_output=True, text=True)
     assert done.returncode != 0 and "rose.csv: No such file" in done.stderr and done.stderr.count("\n") == 1, done
     # A case that replaces another is not solved yet.
@@ -343,6 +355,13 @@ def check_rose(program, folder):
         assert left == {"0", "constant", "system", "Allrun"} | ({"3000"} if wind == "w030" else set()), left
     done = subprocess.run([sys.executable, moved / "rose.py"], capture_output=True, text=True)
     assert done.returncode != 0 and "no wind is solved yet" in done.stderr, done
+    # One wind in place of several, and back: what is somebody else's stays.
+    run(program, "case", "openfoam", moved, *CASE, "--overwrite")
+    assert not any((moved / name).exists() for name in ("w240", "w337.5", "rose.py", "rose.csv")), list(moved.iterdir())
+    assert [path.name for path in (moved / "w030").iterdir()] == ["3000"] and (moved / "0/U").exists()
+    run(program, "case", "openfoam", moved, *several, "--overwrite")
+    assert not (moved / "0").exists() and not (moved / "system/controlDict").exists() and (moved / "w240/0/U").exists()
+    assert (moved / "system/pedestrian").exists() and (moved / "constant/polyMesh/points").exists()
 
 
 def samples(case):
@@ -395,9 +414,19 @@ def check_openfoam(program, folder):
             assert points == len(pairs) and math.isclose(rms, math.sqrt(sum((a - b)**2 for a, b in pairs) / len(pairs)), abs_tol=0.006), said
     control = case / "system/controlDict"
     control.write_text(re.sub(r"\b(endTime|writeInterval) .*", r"\1 27;", control.read_text()))
-    said = run(case / "Allrun", "continue", *([2] if 2 in figures else []), env=environment)
-    assert (case / "log.simpleFoam").read_text().count("\nTime = ") == 27 and "iterations    27;" in said, said
+    said = run(case / "Allrun", "continue", env=environment)  # by as many as have begun
+    assert ("mpirun -n 2" in said) == (2 in figures), said
+    log = (case / "log.simpleFoam").read_text()
+    assert log.count("\nTime = ") == 27 and "iterations    27;" in said, said
     assert (case / "27/U").exists()
+    (case / "log.simpleFoam").write_text(log + log[log.index("\nTime = 26\n"):])  # as if it had gone on from 25 twice
+    assert "iterations    27;" in run(sys.executable, case / "wind.py")
+    boundary = case / "constant/polyMesh/boundary"
+    ours = boundary.read_text()
+    boundary.write_text(re.sub(r"nFaces( +)\d+", r"nFaces\g<1>7", ours, count=1))
+    done = subprocess.run([case / "Allrun"], capture_output=True, text=True, env=environment)
+    assert done.returncode == 1 and "make it again" in done.stderr and (case / "27/U").exists(), done
+    boundary.write_text(ours)
 
     # Other domains, layers of prisms, and a patch for each building; the wind meets half of a cylinder.
     for name, more in ("auto", ["--wind-from", FROM, "--boundary-layers", 3]), ("cylinder", ["--sectors", 12]):

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,13 @@ enum class DomainShape : std::uint8_t {
   kData,      ///< Where there are data: nothing is added.
   kBox,       ///< Along the wind.
   kCylinder,  ///< For all directions of the wind.
-  kPolygon,   ///< As given.
+  kGiven,
+};
+
+/// Coordinates of the CRS.
+struct GivenDomain {
+  Domain sides;                                           ///< And the patches on them.
+  double top = std::numeric_limits<double>::quiet_NaN();  ///< Elevation; NaN: by the guidelines.
 };
 
 struct WindDomainOptions {
@@ -24,7 +31,7 @@ struct WindDomainOptions {
   double wind_from_deg = 270;  ///< Where the wind comes from, clockwise from north (+y); not of a
                                ///< cylinder.
   int sectors = 36;            ///< Of a cylinder: patches, 4 to 360.
-  Polygon polygon = {};        ///< CRS coordinates; without holes.
+  GivenDomain given = {};
 };
 
 /// What a domain was made of. Lengths in metres; all 0 for DomainShape::kData.
@@ -43,9 +50,11 @@ struct WindDomainFacts {
   double rim_height = 0;  ///< Mean height of the data's rim, to which terrain fades.
 };
 
-/// The polygon (CRS coordinates) as a domain in the local frame of `origin`, its sides "side_1" and
-/// on. Throws Error(kInput) unless it is simple.
-Domain polygon_domain(const Polygon& polygon, Point2 origin);
+/// A polygon as a domain, its sides "side_1" and on. Throws Error(kInput) unless it is simple.
+Domain polygon_domain(const Polygon& polygon);
+
+/// A domain in CRS coordinates, in the local frame of `origin`; corners are snapped.
+Domain in_local_frame(const Domain& domain, Point2 origin);
 
 /// Frontal area of the buildings for wind along the unit vector `along`: the area of the union of
 /// the shadows of their roofs, square metres, each shadow widened to whole half metres.
@@ -63,17 +72,16 @@ double guideline_top(const CityModel& city);
 /// widened likewise for the winds from its sectors, its diameter being the width. A box
 /// along the x or y axis keeps the patches xmin to ymax; another one has "inlet", "outlet",
 /// "side_left" and "side_right" (looking downwind), a cylinder "sector_000" and on by where they
-/// lie from the centre, in degrees clockwise from north, a polygon "side_1" and on; all from
-/// number 9.
+/// lie from the centre, in degrees clockwise from north; all from number 9.
 ///
 /// In the box of the buildings (along the wind) terrain stays as it is. Beyond, it fades to the
 /// mean height of the rim of `terrain` by a smoothstep over 5 H, so that inlet, sides and outlet
 /// are level. `terrain` gets as many nodes as cover the domain. Where `wider` is known terrain,
 /// that is kept instead. "terrain_levelled" if known terrain moves by more than 2 m.
 ///
-/// Precondition: `terrain` covers `city.domain`. Buildings outside of a polygon, or closer than
-/// `min_distance` to its sides, move to `city.dropped`. Sets city.domain and city.domain_top.
-/// Throws Error(kInput): no building (but for a polygon), a polygon that is not simple.
+/// Precondition: `terrain` covers `city.domain`. Buildings outside of a domain that is given, or
+/// closer than `min_distance` to its sides, move to `city.dropped`. Sets city.domain and
+/// city.domain_top. Throws Error(kInput): no building, but for a domain that is given.
 WindDomainFacts fit_wind_domain(const WindDomainOptions& options, double min_distance,
                                 CityModel& city, Raster& terrain, std::vector<Warning>& warnings,
                                 const Raster* wider = nullptr);
