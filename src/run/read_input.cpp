@@ -78,10 +78,10 @@ FootprintsInput read_existing(const Config& config, const InputInMemory& given,
 }
 
 /// `target_crs`: what they are reprojected to; empty: as they are. `city_crs`: of the settings'
-/// bounds, if known.
+/// bounds, if known; `own_crs_first`: they are in that of the footprints, if that can be.
 FootprintsInput read_all_footprints(const Config& config, const InputInMemory& given,
                                     const std::string& target_crs, const std::string& city_crs,
-                                    StepClock& clock) {
+                                    bool own_crs_first, StepClock& clock) {
   if (config.footprints.empty() && config.planned.empty()) return {};
   ReadFootprintsOptions options;
   options.layer = config.layer;
@@ -98,6 +98,7 @@ FootprintsInput read_all_footprints(const Config& config, const InputInMemory& g
   constexpr Bounds2 kDegrees{-180, -180, 180, 180};
   if (const Bounds2 box = stated_box(config); !kDegrees.covers(box)) options.within = box;
   options.within_crs = city_crs;
+  options.own_crs_first = own_crs_first;
   return clock.run("1.2", "read footprints", [&](const Progress&) {
     FootprintsInput footprints = read_existing(config, given, options);
     add_planned(config, options, footprints);
@@ -268,7 +269,8 @@ RunInput read_without_points(const Config& config, Next next, StepClock& clock,
   std::vector<Warning> told_below;
   const std::string raster_crs =
       rasters.crs.empty() ? rasters.crs : system_without_points(rasters, {}, told_below);
-  input.footprints = read_all_footprints(config, given, {}, raster_crs, clock);
+  input.footprints =
+      read_all_footprints(config, given, {}, raster_crs, !tells_system(rasters), clock);
   const std::string crs = system_without_points(rasters, input.footprints, warnings);
   if (!crs.empty() && !input.footprints.crs.empty()) reproject_footprints(input.footprints, crs);
   require_grids(config, input.footprints);
@@ -334,7 +336,7 @@ RunInput read_input(const Config& config, Next next, StepClock& clock,
       config, paths.front().string(), given.points.has_value(), headers, units, warnings);
 
   RunInput input;
-  input.footprints = read_all_footprints(config, given, points_crs, points_crs, clock);
+  input.footprints = read_all_footprints(config, given, points_crs, points_crs, false, clock);
   require_grids(config, input.footprints);
   warn_of_heights(config, input.footprints, warnings);
   if (config.bounds.empty()) bound_by_extent(input.footprints, config.parallel_tolerance);

@@ -15,8 +15,7 @@ namespace tetropolis {
 /// What is to be made of a city.
 enum class Next { kNothing, kMesh };
 
-/// All in one reference system: that of the points, else of the rasters, else of the footprints, in
-/// metres; the zone of UTM where that is in degrees.
+/// All in one reference system: that of the points, else system_without_points (read_rasters.h).
 using RunInput = CitySources;
 
 /// Reads all, but for what is `given` in memory; points and rasters only where the domain may be,

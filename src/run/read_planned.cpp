@@ -26,6 +26,7 @@ namespace fs = std::filesystem;
 FootprintsInput read_plan(const fs::path& path, const std::string& height_attribute,
                           ReadFootprintsOptions options) {
   options.where.clear();
+  options.within = Bounds2::nothing();  // it may be in a system that others are not in
   const std::string layer_of_others = std::exchange(options.layer, {});
   const std::string crs_of_others = std::exchange(options.source_crs, {});
   std::vector<std::string> names;

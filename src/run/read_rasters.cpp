@@ -40,23 +40,33 @@ RasterHeaders read_raster_headers(const Config& config) {
   return headers;
 }
 
+namespace {
+
+/// Whether lengths in a system are those on the ground, in metres or another unit.
+bool is_projected(const std::string& crs, const Bounds2& box) {
+  return !crs.empty() && !is_geographic(crs) && (box.empty() || is_true_to_scale(crs, box));
+}
+
+}  // namespace
+
+bool tells_system(const RasterHeaders& rasters) { return is_projected(rasters.crs, rasters.box); }
+
 std::string system_without_points(const RasterHeaders& rasters, const FootprintsInput& footprints,
                                   std::vector<Warning>& warnings) {
-  const bool of_raster = !rasters.crs.empty();
+  const bool of_raster = tells_system(rasters) ||
+                         (!rasters.crs.empty() && !is_projected(footprints.crs, footprints.bounds));
   const std::string& stated = of_raster ? rasters.crs : footprints.crs;
   const Bounds2& box = of_raster ? rasters.box : footprints.bounds;
   if (stated.empty() || box.empty()) return stated;
   std::string crs;
-  if (!is_geographic(stated)) {
+  if (is_projected(stated, box)) {
     crs = in_metres(stated);
-    if (is_metre(linear_unit_metres(stated)) && is_true_to_scale(stated, box)) return crs;
-    if (is_true_to_scale(stated, box)) {
+    if (!is_metre(linear_unit_metres(stated)))
       warnings.push_back(
           {"crs_in_metres", 1,
            fmt::format("{} is in units of {:.10g} m; the city is in {}", crs_name(stated),
                        linear_unit_metres(stated), crs_name(crs))});
-      return crs;
-    }
+    return crs;
   }
   const std::vector<Point2> middle{{(box.xmin + box.xmax) / 2, (box.ymin + box.ymax) / 2}};
   const Point2 place =

@@ -24,8 +24,12 @@ struct RasterHeaders {
 /// Of the settings' `dtm` and `dsm`. Errors: those of expand_raster_paths and inspect_raster.
 RasterHeaders read_raster_headers(const Config& config);
 
-/// The system of a city without points: that of the rasters, else of the footprints, in metres; the
-/// zone of UTM, with a warning, where lengths in that are not lengths on the ground.
+/// Whether the rasters are in a system in which lengths are lengths on the ground.
+bool tells_system(const RasterHeaders& rasters);
+
+/// The system of a city without points: that of the rasters, else of the footprints, in metres,
+/// where lengths in it are lengths on the ground; the zone of UTM, with a warning, where they are
+/// in neither.
 std::string system_without_points(const RasterHeaders& rasters, const FootprintsInput& footprints,
                                   std::vector<Warning>& warnings);
 

@@ -2,11 +2,14 @@
 // message names the option that helps.
 #include "tetropolis/io/crs/crs.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
+#include <iomanip>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -16,6 +19,7 @@
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/io/cityjson/cityjson.h"
 #include "tetropolis/run/config.h"
+#include "tetropolis/run/report.h"
 #include "tetropolis/run/run.h"
 
 #include "support/test_data.h"
@@ -202,6 +206,56 @@ TEST_F(ReferenceSystems, TheSystemOfASiteInMetresIsUnknown) {
   write();
   std::ofstream(scratch / "footprints.prj") << R"(LOCAL_CS["site",UNIT["metre",1]])";
   expect_village(kMetres);
+}
+
+/// A terrain around the village, in another system.
+void write_terrain(const fs::path& path, const Village& village, const std::string& crs) {
+  const Bounds2 box = reproject_box(
+      Bounds2{-200, -200, Village::kWidth + 200, Village::kDepth + 200}.moved(village.origin),
+      kMetres, crs);
+  const double step = box.width() / 20;
+  std::ofstream file(path);
+  file << std::setprecision(12) << "ncols 20\nnrows 20\nxllcorner " << box.xmin << "\nyllcorner "
+       << box.ymin << "\ncellsize " << step << '\n';
+  for (int i = 0; i < 400; ++i) file << "7\n";
+}
+
+TEST_F(ReferenceSystems, WithoutPointsTheCityIsInThatOfTheFirstThatIsTrueToScale) {
+  const std::string mercator = "EPSG:3857", utm = "EPSG:32631";
+  village.footprints_crs = kMetres;
+  write();
+  config.points.clear();
+  config.dtm = {(scratch / "terrain.asc").string()};
+  const Bounds2 bounds{85000, 447000, 85055, 447080};
+  const Bounds2 in_utm = reproject_box(bounds, kMetres, utm);
+  const auto expect = [&](const std::string& raster_crs, const std::string& crs,
+                          const Bounds2& box) {
+    SCOPED_TRACE(raster_crs);
+    write_terrain(config.dtm.front(), village, raster_crs);
+    config.raster_crs = raster_crs;
+    for (const std::vector<double>& sides :
+         {std::vector<double>{}, std::vector{box.xmin, box.ymin, box.xmax, box.ymax}}) {
+      config.bounds = sides;
+      const Report report = run_city(config);
+      EXPECT_EQ(report.crs, crs);
+      EXPECT_EQ(report.city->raw_buildings, sides.empty() ? 7 : 4);
+      const auto& warnings = report.warnings;
+      EXPECT_EQ(std::any_of(warnings.begin(), warnings.end(),
+                            [](const Warning& w) { return w.code == "crs_chosen"; }),
+                crs == utm && raster_crs != utm);
+    }
+  };
+  for (const std::string& raster_crs : {kDegrees, mercator, kMetres})
+    expect(raster_crs, kMetres, bounds);
+  expect(utm, utm, in_utm);
+  footprints_in_degrees();
+  village.footprints_crs = kDegrees;
+  village.footprints_file = "footprints.geojson";
+  write();
+  config.points.clear();
+  expect(kDegrees, utm, in_utm);
+  expect(mercator, utm, in_utm);
+  expect(kMetres, kMetres, bounds);
 }
 
 }  // namespace

@@ -417,15 +417,16 @@ Bounds2 box_to_read(const ReadFootprintsOptions& options, const std::string& crs
   if (options.within.empty() || crs.empty()) return Bounds2::nothing();
   constexpr double kMargin = 100;  // metres: sides bend on their way to another system
   const Bounds2 box = options.within.grown(kMargin);
-  if (const std::string from = normalise_crs(options.within_crs); !from.empty()) {
+  const bool is_projected = !is_geographic(crs) && is_true_to_scale(crs, box);
+  const std::string from = normalise_crs(options.within_crs);
+  if (!from.empty() && !(options.own_crs_first && is_projected)) {
     try {
       return reproject_box(box, from, crs);
     } catch (const Error&) {
       return Bounds2::nothing();  // a local system, which nothing leads to: told when it matters
     }
   }
-  const bool in_metres = is_metre(linear_unit_metres(crs)) && is_true_to_scale(crs, box);
-  return in_metres ? box : Bounds2::nothing();
+  return is_projected && is_metre(linear_unit_metres(crs)) ? box : Bounds2::nothing();
 }
 
 /// Where the accurate way to another datum needs a grid that is not there.

@@ -38,6 +38,7 @@ struct ReadFootprintsOptions {
                                         ///< as outside the domain; of them ids are read, and what
                                         ///< they state of heights. Empty: all are read.
   std::string within_crs = {};  ///< Of `within`; empty: that of the file, if it is in metres.
+  bool own_crs_first = false;   ///< `within_crs` is for files that are not in metres, nor in feet.
   bool attributes = false;      ///< Keep all attributes of the features.
 };
 
