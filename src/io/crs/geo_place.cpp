@@ -15,13 +15,13 @@ namespace tetropolis {
 
 namespace {
 
-/// "Netherlands" of "Netherlands - onshore, including Waddenzee, ..."; empty where the description
-/// begins with no name.
+/// "Netherlands" of "Netherlands - onshore, including Waddenzee, ...", "Liechtenstein; Switzerland"
+/// of "Liechtenstein; Switzerland."; empty where the description begins with no name.
 std::string area_name(std::string_view description) {
   for (const std::string_view begin : {"Between", "World", "Not specified"})
     if (description.starts_with(begin)) return "";
   for (const std::string_view end :
-       {" - ", " onshore", " between ", " west of ", " east of ", ": ", "; ", "."})
+       {" - ", " onshore", " between ", " west of ", " east of ", ": ", "."})
     description = description.substr(0, description.find(end));
   return std::string(description);
 }

@@ -21,7 +21,8 @@ TEST(GeoPlace, IsWhereTheOtherMapsHaveIt) {
         Known{"EPSG:27700", {530000, 180400}, -0.1284, 51.507, "United Kingdom (UK)"},
         Known{"EPSG:25832", {500000, 5540000}, 9, 50.01, "Europe"},
         Known{"EPSG:32632", {500000, 5540000}, 9, 50.01, ""},
-        Known{"EPSG:2056", {2600000, 1200000}, 7.4386, 46.9511, "Liechtenstein"},
+        Known{"EPSG:2056", {2600000, 1200000}, 7.4386, 46.9511, "Liechtenstein; Switzerland"},
+        Known{"EPSG:5514", {-743100, -1043500}, 14.4213, 50.0800, "Czechia; Slovakia"},
         Known{"EPSG:3857", {0, 0}, 0, 0, ""}}) {
     SCOPED_TRACE(known.crs);
     const auto place = place_of(known.crs, known.at);
