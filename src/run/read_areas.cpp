@@ -2,13 +2,36 @@
 
 #include <filesystem>
 #include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/io/crs/crs.h"
 
 #include "io/vector/model_footprints.h"
 #include "io/vector/osm/osm_elements.h"
 
 namespace tetropolis {
+
+namespace {
+
+/// Of a reader of footprints, those that matter to areas: they have no heights, and no setting
+/// names their CRS.
+std::vector<Warning> warnings_of_areas(const std::string& file, const std::string& crs,
+                                       std::vector<Warning> warnings) {
+  std::erase_if(warnings, [](const Warning& w) { return w.code.starts_with("height_"); });
+  const auto unknown = std::erase_if(
+      warnings, [](const Warning& w) { return w.code.starts_with("footprints_crs_"); });
+  if (unknown > 0 && !crs.empty())
+    warnings.push_back({"areas_crs_unknown", 1,
+                        fmt::format("{}: states no usable CRS; its areas are taken to be in "
+                                    "that of the city ({}); if it is another, store it in the file",
+                                    file, crs_name(crs))});
+  return warnings;
+}
+
+}  // namespace
 
 FootprintsInput read_areas(const std::string& file, const std::string& crs, bool attributes,
                            std::vector<Warning>& warnings) {
@@ -28,7 +51,8 @@ FootprintsInput read_areas(const std::string& file, const std::string& crs, bool
   options.target_crs = crs;
   options.attributes = attributes;
   FootprintsInput input = read_footprints(file, options);
-  warnings.insert(warnings.end(), input.warnings.begin(), input.warnings.end());
+  for (Warning& warning : warnings_of_areas(file, crs, std::move(input.warnings)))
+    warnings.push_back(std::move(warning));
   return input;
 }
 

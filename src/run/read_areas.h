@@ -9,8 +9,8 @@
 
 namespace tetropolis {
 
-/// All polygons of a file in the coordinates of `crs`, with their `attributes` if asked for; adds
-/// warnings. Errors: those of read_footprints; kInput for an OpenStreetMap extract or a city model,
+/// All polygons of a file in the coordinates of `crs`, that of the city, which they are taken to be
+/// in if the file states none; with their `attributes` if asked for. Adds warnings. Errors: those of read_footprints; kInput for an OpenStreetMap extract or a city model,
 /// of which only buildings would be read.
 FootprintsInput read_areas(const std::string& file, const std::string& crs, bool attributes,
                            std::vector<Warning>& warnings);

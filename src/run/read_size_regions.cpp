@@ -113,6 +113,8 @@ GivenDomain read_domain(const Config& config, const std::string& crs,
   if (std::filesystem::exists(std::filesystem::path(config.domain) / results::kCity))
     return domain_of_results(config.domain, crs);
   FootprintsInput input = read_areas(config.domain, crs, false, warnings);
+  // The place of the city tells whether it is right.
+  std::erase_if(warnings, [](const Warning& w) { return w.code == "areas_crs_unknown"; });
   if (input.features.empty())
     throw Error(ErrorKind::kInput,
                 config.domain + ": has no polygon for the domain; give one, or domain = \"auto\"");

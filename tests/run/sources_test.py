@@ -287,6 +287,36 @@ def settings(folder, out):
             assert len(city.buildings) == kept and city.warnings["measured_ground"]["count"] == 1, city.warnings
 
 
+def areas(folder, out):
+    """Areas: what is wrong with them is told, and nothing that matters to footprints alone."""
+    (out / "in").mkdir(parents=True)
+
+    def write(name, boxes, crs="EPSG::32631"):
+        features = [{"type": "Feature", "properties": p, "geometry": {"type": "Polygon", "coordinates": [
+            [[x + 5e5, y + 56e5] for x, y in ((x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0))]]}} for (x0, y0, x1, y1), p in boxes]
+        named = {"crs": {"type": "name", "properties": {"name": f"urn:ogc:def:crs:{crs}"}}} if crs else {}
+        (out / "in" / name).write_text(json.dumps({"type": "FeatureCollection", "features": features, **named}))
+        return out / "in" / name
+
+    def warnings(name, *args):
+        run(out / name, "--footprints", houses, "--lod", "block", "--mesh-size", 30, *args, command="build")
+        return [w for w in json.loads((out / name / "report.json").read_text())["warnings"]
+                if w["code"] not in ("domain_raised", "ground_level", "heights_stated")]
+
+    houses = write("houses.geojson", [((0, 0, 20, 20), {}), ((60, 0, 80, 20), {})])
+    near = [((-40, 40, 120, 70), {"height": 6.5, "kind": "water"}), ((-30, -30, -10, 10), {"height": 9, "kind": "road"})]
+    field = [((-60, -60, 140, 90), {"height": 3})]
+    entries = lambda path: ["--refine", f"{path}:15", "--surface-layers", f"{path}:kind", "--canopies", f"{path}:height"]
+    stated = write("stated.geojson", near)
+    told = warnings("stated", *entries(stated), "--domain", write("field.geojson", field))
+    assert not told, told
+    # Without a CRS, or with degrees that are none, they are in that of the city.
+    silent = write("silent.geojson", near, None)
+    told = warnings("silent", *entries(silent), "--domain", write("silent_field.geojson", field, None))
+    assert {w["code"] for w in told} == {"areas_crs_unknown"}, told
+    assert all("silent.geojson" in w["message"] and "EPSG:32631" in w["message"] and "footprints" not in w["message"] for w in told), told
+
+
 def elevations_of_roofs(out):
     """Per footprint, of buildings with several parts."""
     roofs = {}
@@ -379,6 +409,7 @@ def planned(folder, out):
 CASES = {
     "planned": planned,
     "settings": settings,
+    "areas": areas,
     "01-citygml-building-parts": citygml_building_parts,
     "02-citygml-relief-as-building": citygml_relief_as_building,
     "03-osgb-datum-shift": osgb_datum_shift,
@@ -398,7 +429,7 @@ CASES = {
 def main():
     case = sys.argv[2]
     folder = (REPORTS if case[0].isdigit() else DATA) / case
-    if not folder.is_dir() and case not in ("planned", "settings"):
+    if not folder.is_dir() and case not in ("planned", "settings", "areas"):
         print(f"skipped: {folder} is not there")
         return 77
     with tempfile.TemporaryDirectory() as scratch:
