@@ -104,8 +104,8 @@ BuiltCity load_city(const Config& config, const StepHooks& hooks, Report& report
 CityMesh make_mesh(const Config& config, const CityModel& city, Raster terrain,
                    const Raster& canopy_heights, const StepHooks& hooks, Report& report) {
   MeshCityOptions options = mesh_options(config);
-  options.grading.regions = read_size_regions(config, city.crs, report.warnings);
-  options.surfaces = read_surfaces(config, city.crs, report.warnings);
+  options.grading.regions = read_size_regions(config, city, report.warnings);
+  options.surfaces = read_surfaces(config, city, report.warnings);
   options.canopies = read_canopies(config, city, canopy_heights, report.warnings);
   CityMesh mesh = mesh_city(city, std::move(terrain), options, hooks);
   add_steps(mesh.steps, report);

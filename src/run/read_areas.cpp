@@ -1,5 +1,6 @@
 #include "read_areas.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -7,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/crs/crs.h"
 
 #include "io/vector/model_footprints.h"
@@ -33,8 +35,18 @@ std::vector<Warning> warnings_of_areas(const std::string& file, const std::strin
 
 }  // namespace
 
-FootprintsInput read_areas(const std::string& file, const std::string& crs, bool attributes,
+void warn_of_areas_outside(const std::string& entry, const Bounds2& areas, const Bounds2& domain,
                            std::vector<Warning>& warnings) {
+  warnings.push_back(
+      {"areas_outside", 1,
+       fmt::format("{}: no area meets the domain, x {:.1f} .. {:.1f}, y {:.1f} .. {:.1f}; they lie "
+                   "in x {:.1f} .. {:.1f}, y {:.1f} .. {:.1f}: check its CRS",
+                   entry, domain.xmin, domain.xmax, domain.ymin, domain.ymax, areas.xmin,
+                   areas.xmax, areas.ymin, areas.ymax)});
+}
+
+FootprintsInput read_areas(const std::string& file, const std::string& crs, const Bounds2& domain,
+                           bool attributes, std::vector<Warning>& warnings) {
   std::error_code error;
   if (std::filesystem::is_regular_file(file, error)) {
     if (is_osm_file(file))
@@ -53,6 +65,12 @@ FootprintsInput read_areas(const std::string& file, const std::string& crs, bool
   FootprintsInput input = read_footprints(file, options);
   for (Warning& warning : warnings_of_areas(file, crs, std::move(input.warnings)))
     warnings.push_back(std::move(warning));
+  const auto meets = [&](const Footprint& feature) {
+    return bounds(feature.polygon).intersects(domain);
+  };
+  if (!domain.empty() && !input.features.empty() &&
+      std::none_of(input.features.begin(), input.features.end(), meets))
+    warn_of_areas_outside(file, input.bounds, domain, warnings);
   return input;
 }
 

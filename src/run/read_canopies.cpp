@@ -98,7 +98,7 @@ std::vector<Canopy> read_canopies(const Config& config, const CityModel& city,
                               "`build`, and there are none; name an attribute with heights "
                               "(canopies FILE:ATTRIBUTE)",
                               entry.file));
-    FootprintsInput input = read_areas(entry.file, city.crs, true, warnings);
+    FootprintsInput input = read_areas(entry.file, city.crs, domain, true, warnings);
     if (input.features.empty())
       throw Error(ErrorKind::kInput, entry.file + ": has no polygon; leave it out of canopies");
     const AttributeColumn* heights = column_of(input, entry.attribute);

@@ -88,16 +88,18 @@ RefineEntry parse_refine(const std::string& text) {
   return entry;
 }
 
-std::vector<SizeRegion> read_size_regions(const Config& config, const std::string& crs,
+std::vector<SizeRegion> read_size_regions(const Config& config, const CityModel& city,
                                           std::vector<Warning>& warnings) {
   std::vector<SizeRegion> regions;
+  const Bounds2 domain = city.domain.bounds().moved(city.origin);
   for (const std::string& text : config.refine) {
     const RefineEntry entry = parse_refine(text);
     if (entry.file.empty()) {
       regions.push_back({rectangle(entry.box), entry.size});
+      if (!entry.box.intersects(domain)) warn_of_areas_outside(text, entry.box, domain, warnings);
       continue;
     }
-    FootprintsInput input = read_areas(entry.file, crs, false, warnings);
+    FootprintsInput input = read_areas(entry.file, city.crs, domain, false, warnings);
     if (input.features.empty())
       throw Error(ErrorKind::kInput,
                   entry.file + ": has no polygon to refine in; give areas, or leave it out");
@@ -112,7 +114,7 @@ GivenDomain read_domain(const Config& config, const std::string& crs,
   if (domain_shape(config) != DomainShape::kGiven) return {};
   if (std::filesystem::exists(std::filesystem::path(config.domain) / results::kCity))
     return domain_of_results(config.domain, crs);
-  FootprintsInput input = read_areas(config.domain, crs, false, warnings);
+  FootprintsInput input = read_areas(config.domain, crs, Bounds2::nothing(), false, warnings);
   // The place of the city tells whether it is right.
   std::erase_if(warnings, [](const Warning& w) { return w.code == "areas_crs_unknown"; });
   if (input.features.empty())

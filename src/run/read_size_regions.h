@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "tetropolis/city/city_model.h"
 #include "tetropolis/core/warning.h"
 #include "tetropolis/ground/mesh_ground.h"
 #include "tetropolis/pipeline/wind_domain.h"
@@ -21,10 +22,10 @@ struct RefineEntry {
 /// Throws Error(kUsage) for what is neither.
 RefineEntry parse_refine(const std::string& text);
 
-/// All of them, in the coordinates of `crs`, which files are reprojected to; adds their warnings.
+/// All of them, in the city's CRS, which files are reprojected to; adds the warnings of read_areas.
 /// Throws Error(kUsage) as above, Error(kInput) naming a file without polygons or as
 /// read_footprints.
-std::vector<SizeRegion> read_size_regions(const Config& config, const std::string& crs,
+std::vector<SizeRegion> read_size_regions(const Config& config, const CityModel& city,
                                           std::vector<Warning>& warnings);
 
 /// What `domain` names, in the coordinates of `crs`: the polygon of a file, of several features the

@@ -51,12 +51,13 @@ SurfaceLayerEntry parse_surface_layer(const std::string& text) {
   return entry;
 }
 
-std::vector<SurfaceArea> read_surfaces(const Config& config, const std::string& crs,
+std::vector<SurfaceArea> read_surfaces(const Config& config, const CityModel& city,
                                        std::vector<Warning>& warnings) {
   std::vector<SurfaceArea> surfaces;
+  const Bounds2 domain = city.domain.bounds().moved(city.origin);
   for (const std::string& text : config.surface_layers) {
     const SurfaceLayerEntry entry = parse_surface_layer(text);
-    FootprintsInput input = read_areas(entry.file, crs, !entry.kind, warnings);
+    FootprintsInput input = read_areas(entry.file, city.crs, domain, !entry.kind, warnings);
     const std::size_t before = surfaces.size();
     std::string unknown;
     std::int64_t unknown_count = 0;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "tetropolis/city/city_model.h"
 #include "tetropolis/core/warning.h"
 #include "tetropolis/ground/surfaces.h"
 #include "tetropolis/run/config.h"
@@ -21,10 +22,10 @@ struct SurfaceLayerEntry {
 /// Throws Error(kUsage) for what is neither.
 SurfaceLayerEntry parse_surface_layer(const std::string& text);
 
-/// All of them, in the coordinates of `crs`, which files are reprojected to; adds their warnings,
+/// All of them, in the city's CRS, which files are reprojected to; adds the warnings of read_areas,
 /// and one for polygons whose attribute names no kind, which are left out. Throws Error(kUsage) as
 /// above, Error(kInput) naming a file without polygons of any kind or as read_footprints.
-std::vector<SurfaceArea> read_surfaces(const Config& config, const std::string& crs,
+std::vector<SurfaceArea> read_surfaces(const Config& config, const CityModel& city,
                                        std::vector<Warning>& warnings);
 
 }  // namespace tetropolis

@@ -315,6 +315,11 @@ def areas(folder, out):
     told = warnings("silent", *entries(silent), "--domain", write("silent_field.geojson", field, None))
     assert {w["code"] for w in told} == {"areas_crs_unknown"}, told
     assert all("silent.geojson" in w["message"] and "EPSG:32631" in w["message"] and "footprints" not in w["message"] for w in told), told
+    far = write("far.geojson", [((x + 9000, y, x1 + 9000, y1), p) for (x, y, x1, y1), p in near])
+    told = warnings("far", *entries(far), "--refine", "509000,5600000,509050,5600040:5", "--refine", f"{stated}:15")
+    assert [w["code"] for w in told] == 4 * ["areas_outside"], told
+    assert "far.geojson" in told[0]["message"] and "x 508960.0 .. 509120.0, y 5599970.0 .. 5600070.0" in told[0]["message"], told
+    assert "509000,5600000,509050,5600040:5" in told[1]["message"] and all("CRS" in w["message"] for w in told), told
 
 
 def elevations_of_roofs(out):
