@@ -413,7 +413,7 @@ HeightSources make_raw_city(const BuildCityOptions& options, CityInput& input, S
                           result.warnings, progress);
   });
   result.facts.area_at_boundary = clean.area_lost;
-  warn_of_boundary(clean, result.warnings);
+  warn_of_boundary(clean, input.has_points() && !input.has_surface, result.warnings);
   result.input.footprint_parts += clean.parts;
   raw.buildings = std::move(clean.buildings);
   raw.dropped = std::move(clean.dropped);

@@ -86,7 +86,7 @@ void warn_off_terrain(const CityInput& input, const Raster& terrain,
                    input.points.source)});
 }
 
-void warn_of_boundary(const CleanFeatures& clean, std::vector<Warning>& warnings) {
+void warn_of_boundary(const CleanFeatures& clean, bool has_cloud, std::vector<Warning>& warnings) {
   constexpr double kMost = 0.05;
   if (!(clean.area_lost > kMost * clean.area)) return;
   const auto lost = std::count_if(clean.dropped.begin(), clean.dropped.end(),
@@ -94,10 +94,11 @@ void warn_of_boundary(const CleanFeatures& clean, std::vector<Warning>& warnings
   warnings.push_back(
       {"boundary_loss", lost,
        fmt::format(
-           "{:.0f} % of the footprint area with points is dropped at the domain's boundary; give "
-           "points around these buildings or `bounds` that hold them whole, or keep their "
-           "parts inside by `boundary_buildings` = clip",
-           100 * clean.area_lost / clean.area)});
+           "{:.0f} % of the footprint area{} is dropped at the domain's boundary; give {}, or keep "
+           "their parts inside by `boundary_buildings` = clip",
+           100 * clean.area_lost / clean.area, has_cloud ? " with points" : "",
+           has_cloud ? "points around these buildings or `bounds` that hold them whole"
+                     : "`bounds` that hold these buildings whole")});
 }
 
 void warn_of_country(const CityModel& raw, const BuildCityOptions& options,

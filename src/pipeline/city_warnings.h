@@ -27,7 +27,8 @@ void warn_off_terrain(const CityInput& input, const Raster& terrain,
                       std::vector<Warning>& warnings);
 
 /// Of footprints dropped at the domain's boundary that are more than 5 % of the area in it.
-void warn_of_boundary(const CleanFeatures& clean, std::vector<Warning>& warnings);
+/// `has_cloud`: that there are points, and not of a raster.
+void warn_of_boundary(const CleanFeatures& clean, bool has_cloud, std::vector<Warning>& warnings);
 
 /// Of a country's footprints around a city, where nobody has said which box is wanted.
 void warn_of_country(const CityModel& raw, const BuildCityOptions& options,

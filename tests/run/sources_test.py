@@ -255,6 +255,9 @@ def settings(folder, out):
         or "default_height" in city.buildings["a"]["flags"] and "roof_from_floors" in city.buildings["b"]["flags"], city.buildings
     assert {b["ground"] for b in heights("level", "--ground-level", "50").buildings.values()} == {50}
     assert set(heights("where", "--where", "built = 1").buildings) == {"a", "b"}
+    cut = ["--bounds", "-30,-30,90,50"]
+    told = heights("cut", *cut).warnings["boundary_loss"]["message"]
+    assert "20 % of the footprint area is dropped" in told and "points" not in told, told
     assert "where" in run(out / "wrong", "--footprints", path, "--where", "nonsense === 1", code=3)
     grid = out / "in/dtm.asc"
     grid.write_text("ncols 20\nnrows 10\nxllcorner -50\nyllcorner -50\ncellsize 10\nNODATA_value -9999\n"
@@ -267,6 +270,7 @@ def settings(folder, out):
         cloud.write_text(kind + "".join(f"{x} {y} {9 if 0 < x < 20 and 0 < y < 20 else 1}\n" for x in range(-30, 120) for y in range(-60, 90)))
         run(out / name, "--footprints", path, "--id-attribute", "id", "--points", cloud)
         near(City(out / name).buildings["a"]["height"], 8)
+    assert "give points around" in heights("cut_points", "--points", cloud, *cut).warnings["boundary_loss"]["message"]
     several = out / "in/two"
     several.mkdir()
     for name in ("north", "south"):
