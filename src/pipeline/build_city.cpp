@@ -489,7 +489,7 @@ void merge_buildings(const BuildCityOptions& options, const CityInput& input,
                     input.points.points, result.terrain, options.heights);
     tell_basis(basis, city);
     set_heights_of_planned(raw, simple.members, city);
-    warn_of_plan(input.footprints, raw, city, simple.members, options.lod, result.warnings);
+    warn_of_plan(input.footprints, raw, city, simple.members, options, result.warnings);
   });
   if (options.lod != Lod::kBlock) {
     result.facts.roofs = clock.run("2.3", "roofs", [&](const Progress& progress) {

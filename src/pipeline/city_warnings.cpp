@@ -193,8 +193,8 @@ void warn_of_other_heights(const CityModel& raw, std::vector<Warning>& warnings)
 }
 
 void warn_of_plan(const FootprintsInput& footprints, const CityModel& raw, const CityModel& city,
-                  std::span<const std::vector<BuildingIndex>> members, Lod lod,
-                  std::vector<Warning>& warnings) {
+                  std::span<const std::vector<BuildingIndex>> members,
+                  const BuildCityOptions& options, std::vector<Warning>& warnings) {
   std::set<std::string_view> planned;
   const auto note = [&](const auto& features) {
     for (const auto& feature : features)
@@ -213,7 +213,20 @@ void warn_of_plan(const FootprintsInput& footprints, const CityModel& raw, const
                                lost.count, planned.size(), lost.message);
     warnings.push_back(lost);
   }
-  if (lod != Lod::kBlock) return;
+  constexpr std::uint32_t kRaised = kPlanned | kMinimumHeight;
+  Warning raised{"planned_raised", 0, {}};
+  for (const Building& building : raw.buildings)
+    if ((building.flags & kRaised) == kRaised && raised.count++ == 0)
+      raised.message =
+          fmt::format("{}, {:g} m", building.source_ids.front(), building.attribute_height);
+  if (raised.count > 0) {
+    raised.message = fmt::format(
+        "{} planned buildings state heights below {:g} m (min_building_height) and get that (the "
+        "first, {})",
+        raised.count, options.heights.min_height, raised.message);
+    warnings.push_back(raised);
+  }
+  if (options.lod != Lod::kBlock) return;
   constexpr double kMost = 1;  // metres
   Warning averaged{"planned_averaged", 0, {}};
   for (std::size_t b = 0; b < members.size(); ++b)

@@ -50,12 +50,12 @@ void warn_of_stated_heights(const CityModel& raw, const BuildCityOptions& option
 /// by more than a third. `raw` has heights.
 void warn_of_other_heights(const CityModel& raw, std::vector<Warning>& warnings);
 
-/// Of features of the plan that do not show ("planned_left_out"), and of planned buildings that are
-/// part of blocks of another height ("planned_averaged"). `members`: of the buildings of `city` in
-/// `raw`; both have heights.
+/// Of features of the plan that do not show ("planned_left_out"), of planned buildings that are
+/// raised to the least height ("planned_raised"), and that are part of blocks of another height
+/// ("planned_averaged"). `members`: of the buildings of `city` in `raw`; both have heights.
 void warn_of_plan(const FootprintsInput& footprints, const CityModel& raw, const CityModel& city,
-                  std::span<const std::vector<BuildingIndex>> members, Lod lod,
-                  std::vector<Warning>& warnings);
+                  std::span<const std::vector<BuildingIndex>> members,
+                  const BuildCityOptions& options, std::vector<Warning>& warnings);
 
 /// Where roof points were told by what they are not. `all_points`: of the cloud.
 void warn_of_exclusion(const BuildingPoints& points, std::int64_t all_points,

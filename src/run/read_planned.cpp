@@ -1,10 +1,12 @@
 #include "read_planned.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <filesystem>
 #include <span>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
@@ -12,6 +14,7 @@
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/core/error.h"
 
+#include "core/text.h"
 #include "file_and_attribute.h"
 #include "io/file/input_paths.h"
 #include "io/vector/merge_footprints.h"
@@ -48,6 +51,29 @@ FootprintsInput read_plan(const fs::path& path, const std::string& height_attrib
   return read_footprints(path, options);
 }
 
+/// What a feature states in a column of heights, though it is none; "" if nothing.
+std::string stated_text(const FootprintsInput& planned, const Footprint& feature,
+                        const std::string& name) {
+  const auto row = static_cast<std::size_t>(feature.feature);
+  for (const AttributeColumn& column : planned.attributes)
+    if (lower_case(column.name) == lower_case(name) && feature.feature >= 0 &&
+        (column.known.empty() || column.known[row]))
+      return std::visit([&](const auto& values) { return fmt::format("{}", values[row]); },
+                        column.values);
+  return {};
+}
+
+[[noreturn]] void throw_no_height(const fs::path& path, const std::string& id,
+                                  const std::string& text) {
+  const std::string stated = text.empty() ? "no height above ground"
+                                          : fmt::format("the height '{}'", first_bytes(text, 40));
+  throw Error(ErrorKind::kInput,
+              fmt::format("{}: feature {} states {}; give each planned building one in a column "
+                          "`height` (0: what is to be torn down; at most 1100 m), or name the "
+                          "column: {}:COLUMN",
+                          path.string(), id, stated, path.filename().string()));
+}
+
 }  // namespace
 
 void add_planned(const Config& config, const ReadFootprintsOptions& options,
@@ -63,11 +89,9 @@ void add_planned(const Config& config, const ReadFootprintsOptions& options,
       FootprintsInput& planned = all.back();
       for (Footprint& feature : planned.features) {
         if (!(feature.height >= 0))
-          throw Error(ErrorKind::kInput,
-                      fmt::format("{}: feature {} states no height above ground; give each planned "
-                                  "building one in a column `height` (0: what is to be torn down), "
-                                  "or name the column: {}:COLUMN",
-                                  path.string(), feature.source_id, path.filename().string()));
+          throw_no_height(
+              path, feature.source_id,
+              stated_text(planned, feature, given.attribute.empty() ? "height" : given.attribute));
         feature.is_planned = true;
       }
       for (UnusableFootprint& feature : planned.dropped) feature.is_planned = true;

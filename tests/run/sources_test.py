@@ -402,6 +402,15 @@ def planned(folder, out):
     assert told["count"] == 1 and "1 of 2 features of the plan have no effect (the first, planned:1: crosses the domain boundary)" in told["message"], told
     told = run(out / "refused", *common, "--planned", there, code=3)
     assert "feature replaced states no height" in told and "there.geojson" in told and told.count("\n") == 1, told
+    for height in (4500, -45, "abc"):
+        wrong = write("wrong.geojson", [((0, 0, 20, 20), {"height": "20"}), ((40, 0, 60, 20), {"height": height})])
+        told = run(out / "refused", *common, "--planned", wrong, code=3)
+        assert f"feature 1 states the height '{height}'" in told and told.count("\n") == 1, told
+    low = write("low.geojson", [((0, 0, 20, 20), {"height": 1.2}), ((40, 0, 60, 20), {"height": 2.5}), ((80, 0, 99, 20), {"height": 0})])
+    run(out / "low", *common, "--planned", low)
+    told = City(out / "low").warnings["planned_raised"]
+    assert told["count"] == 1 and "1 planned building" in told["message"] and "planned:0, 1.2 m" in told["message"], told
+    assert "2.5 m (min_building_height)" in told["message"] and "planned_raised" not in after.warnings, told
     # A plan on the result of another; one that is elsewhere.
     run(out / "again", "--footprints", out / "block/city.city.json", "--planned", plan)
     small = write("small.geojson", [((0, 0, 20, 20), {"height": 50})])
