@@ -111,9 +111,10 @@ void warn_of_country(const CityModel& raw, const BuildCityOptions& options,
   const Bounds2 box = raw.domain.moved(raw.origin).bounds();
   warnings.push_back(
       {"footprints_outside", outside,
-       fmt::format("footprints outside the domain were read whole and are listed one by one; with "
-                   "`bounds` = {:.10g},{:.10g},{:.10g},{:.10g} that takes less time and memory",
-                   box.xmin, box.ymin, box.xmax, box.ymax)});
+       fmt::format(
+           "{} footprints outside the domain were read whole and are listed one by one; with "
+           "`bounds` = {:.10g},{:.10g},{:.10g},{:.10g} that takes less time and memory",
+           outside, box.xmin, box.ymin, box.xmax, box.ymax)});
 }
 
 void warn_of_giants(const CityModel& raw, std::vector<Warning>& warnings) {
@@ -270,7 +271,8 @@ void warn_of_exclusion(const BuildingPoints& points, std::int64_t all_points,
   else
     warnings.push_back(
         {"building_class_partly", count,
-         fmt::format("buildings are in files without class 6 (building); their {}", taken)});
+         fmt::format("{} buildings are in files without class 6 (building); their {}", count,
+                     taken)});
 }
 
 void warn_of_lost_area(const CityModel& raw, const Simplification& simple,
@@ -283,12 +285,13 @@ void warn_of_lost_area(const CityModel& raw, const Simplification& simple,
     if (warning.count++ > 0) continue;
     const BuildingIndex first = simple.members[i].front();
     warning.message = fmt::format(
-        "footprints lost more than half of their area where they are narrower than "
-        "min_building_distance; the first is feature {}, of which {:.0f} m2 are left ({:.0f} m2 "
-        "changed)",
+        "lost more than half of their area where they are narrower than min_building_distance; the "
+        "first is feature {}, of which {:.0f} m2 are left ({:.0f} m2 changed)",
         raw.buildings[first].source_ids.front(), left, changed);
   }
-  if (warning.count > 0) warnings.push_back(warning);
+  if (warning.count == 0) return;
+  warning.message = fmt::format("{} footprints {}", warning.count, warning.message);
+  warnings.push_back(warning);
 }
 
 void warn_of_roofs(const RoofFacts& roofs, Lod lod, std::vector<Warning>& warnings) {

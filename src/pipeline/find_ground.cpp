@@ -111,10 +111,10 @@ void drop_ground_outliers(CityInput& input, StepClock& clock, InputFacts& facts,
   const std::uint32_t first = outliers.front();
   warnings.push_back(
       {"ground_outliers", facts.ground_outliers,
-       fmt::format("ground points far above or below all others around them were left out, the "
+       fmt::format("{} ground points far above or below all others around them were left out, the "
                    "first at ({:.2f}, {:.2f}) with elevation {:.2f}",
-                   cloud.x[first] + input.points.origin.x, cloud.y[first] + input.points.origin.y,
-                   cloud.z[first])});
+                   outliers.size(), cloud.x[first] + input.points.origin.x,
+                   cloud.y[first] + input.points.origin.y, cloud.z[first])});
 }
 
 /// Names the file, which the terrain does not know.

@@ -266,9 +266,10 @@ Surfaces surfaces_of(const MeshCityOptions& options, const CityModel& city, Step
     if (meshed < (1 - kLost) * given)
       result.warnings.push_back(
           {"surface_lost", static_cast<std::int64_t>(std::llround(given - meshed)),
-           fmt::format("m2 of {}'s {:.0f} are narrower or smaller than the clearance of {} m "
-                       "allows; a smaller min_building_distance keeps more",
-                       kSurfaceKindNames[k], given, options.surface_clearance)});
+           fmt::format(
+               "{:.0f} m2 of {}'s {:.0f} are narrower or smaller than the clearance of {} m "
+               "allows; a smaller min_building_distance keeps more",
+               given - meshed, kSurfaceKindNames[k], given, options.surface_clearance)});
   }
   return surfaces;
 }
@@ -354,10 +355,12 @@ Columns columns_with_blocks(const MeshCityOptions& options, const CityModel& cit
     for (const BuildingIndex b : city.buildings.indices())
       if (!city.buildings[b].parts.empty()) blocks.push_back(b);
     if (!blocks.empty())
-      result.warnings.push_back({"parts_left_out", static_cast<std::int64_t>(blocks.size()),
-                                 "buildings have parts, but are meshed as blocks: cells = "
-                                 "\"tets\", layering = \"graded\" and a flat top "
-                                 "keep the parts, lod = \"block\" makes none"});
+      result.warnings.push_back(
+          {"parts_left_out", static_cast<std::int64_t>(blocks.size()),
+           fmt::format("{} buildings have parts, but are meshed as blocks: cells = "
+                       "\"tets\", layering = \"graded\" and a flat top "
+                       "keep the parts, lod = \"block\" makes none",
+                       blocks.size())});
   }
   const std::vector<Warning> before = result.warnings;
   Columns columns = columns_of(options, city, surfaces, terrain, size, blocks, clock, result);
@@ -375,7 +378,9 @@ Columns columns_with_blocks(const MeshCityOptions& options, const CityModel& cit
   if (!blocks.empty() && !solves_laplace(options))
     result.warnings.push_back(
         {"parts_left_out", static_cast<std::int64_t>(blocks.size()),
-         "buildings are meshed as blocks: no cells fit the steps between their roofs"});
+         fmt::format(
+             "{} buildings are meshed as blocks: no cells fit the steps between their roofs",
+             blocks.size())});
   return columns;
 }
 

@@ -54,9 +54,9 @@ void warn_of_lowered_ground(const ColumnPlan& plan, const ExcavationSources& exc
                          plan.deepest_undermined);
   if (!excavated.roofs.empty() || !excavated.toes.empty())
     where += "; cut_slope = 90 keeps the terrain, with worse cells instead";
-  warnings.push_back(
-      {"ground_lowered", plan.lowered,
-       fmt::format("ground vertices were lowered, by up to {:.1f} m: {}", plan.deepest, where)});
+  warnings.push_back({"ground_lowered", plan.lowered,
+                      fmt::format("{} ground vertices were lowered, by up to {:.1f} m: {}",
+                                  plan.lowered, plan.deepest, where)});
 }
 
 void warn_of_canopies(const CellZones& zones, std::vector<Warning>& warnings) {
@@ -65,10 +65,11 @@ void warn_of_canopies(const CellZones& zones, std::vector<Warning>& warnings) {
   for (const CellZone& zone : zones.zones)
     if (zone.cells == 0 && ++empty == 1) first = zone.name;
   if (empty > 0)
-    warnings.push_back({"canopy_without_cells", empty,
-                        fmt::format("canopies have no cell, the first, {}: they are smaller than "
-                                    "cells, over buildings or outside the domain; refine there",
-                                    first)});
+    warnings.push_back(
+        {"canopy_without_cells", empty,
+         fmt::format("{} canopies have no cell, the first, {}: they are smaller than "
+                     "cells, over buildings or outside the domain; refine there",
+                     empty, first)});
 }
 
 void warn_of_prisms(const PrismQuality& prisms, std::vector<Warning>& warnings) {
@@ -76,9 +77,9 @@ void warn_of_prisms(const PrismQuality& prisms, std::vector<Warning>& warnings) 
     warnings.push_back(
         {"prisms_sheared", prisms.above_70,
          fmt::format(
-             "faces of prisms are more than 70 degrees non-orthogonal ({:.1f} at most): the "
+             "{} faces of prisms are more than 70 degrees non-orthogonal ({:.1f} at most): the "
              "ground is as steep there; a lower cut_slope, or fewer boundary_layers",
-             prisms.max_non_orthogonality_deg)});
+             prisms.above_70, prisms.max_non_orthogonality_deg)});
   if (prisms.max_skewness >= kMostSkewed)
     warnings.push_back(
         {"prisms_skewed", 1,
@@ -103,20 +104,20 @@ void warn_below_floor(const MeshCityOptions& options, const MeshQuality& quality
     warnings.push_back(
         {"below_quality_floor", bad,
          fmt::format(
-             "cells have dihedral angles outside of {} to {} degrees (least {:.2f}, greatest "
+             "{} cells have dihedral angles outside of {} to {} degrees (least {:.2f}, greatest "
              "{:.2f}), where {} to {} are meant for all and {} for all but one in ten thousand; "
              "worst_cells in the report has the worst and why{}",
-             bounds.least, bounds.greatest, angles.min_dihedral_deg(), angles.max_dihedral_deg(),
-             kQualityFloor.least, kQualityFloor.greatest, kLeastOfMost,
+             bad, bounds.least, bounds.greatest, angles.min_dihedral_deg(),
+             angles.max_dihedral_deg(), kQualityFloor.least, kQualityFloor.greatest, kLeastOfMost,
              unusual_settings(options))});
   if (quality.faces.above_70 > 0)
     warnings.push_back(
         {"faces_non_orthogonal", quality.faces.above_70,
          fmt::format(
-             "faces between cells are more than {} degrees non-orthogonal (the worst "
+             "{} faces between cells are more than {} degrees non-orthogonal (the worst "
              "{:.2f}), at steep ground, buried roofs or, in uniform layers, low walls; a smaller "
              "mesh_size may help{}",
-             kMostNonOrthogonal, quality.faces.worst.non_orthogonality_deg,
+             quality.faces.above_70, kMostNonOrthogonal, quality.faces.worst.non_orthogonality_deg,
              unusual_settings(options))});
 }
 

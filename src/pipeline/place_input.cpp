@@ -73,9 +73,10 @@ void leave_out_strays(const FootprintsInput& footprints, PointsInput& input,
   const std::size_t first = strays.front();
   warnings.push_back(
       {"stray_points", static_cast<std::int64_t>(strays.size()),
-       fmt::format("points far from all others are left out, the first at ({:.2f}, {:.2f}); to "
+       fmt::format("{} points far from all others are left out, the first at ({:.2f}, {:.2f}); to "
                    "keep them, give `bounds`",
-                   cloud.x[first] + input.origin.x, cloud.y[first] + input.origin.y)});
+                   strays.size(), cloud.x[first] + input.origin.x,
+                   cloud.y[first] + input.origin.y)});
   for (const std::size_t p : strays) cloud.classification[p] = kHighNoise;
   input.extent = rest;
 }

@@ -201,9 +201,10 @@ void take_given(const GivenDomain& given, double min_distance, CityModel& city,
   if (left_out == 0) return;
   warnings.push_back(
       {"outside_domain", static_cast<std::int64_t>(left_out),
-       fmt::format("features are left out, the first, {}: {}; the polygon of the domain leaves no "
-                   "room for them",
-                   city.dropped[before].source_id, city.dropped[before].reason)});
+       fmt::format(
+           "{} features are left out, the first, {}: {}; the polygon of the domain leaves no "
+           "room for them",
+           left_out, city.dropped[before].source_id, city.dropped[before].reason)});
 }
 
 }  // namespace

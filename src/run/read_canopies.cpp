@@ -130,14 +130,14 @@ std::vector<Canopy> read_canopies(const Config& config, const CityModel& city,
         first = fmt::format("{}: {}", feature.source_id, fault);
     }
     if (left_out > 0)
-      warnings.push_back(
-          {"canopy_left_out", left_out,
-           fmt::format("canopies of {} are left out, the first, {}", entry.file, first)});
+      warnings.push_back({"canopy_left_out", left_out,
+                          fmt::format("{} canopies of {} are left out, the first, {}", left_out,
+                                      entry.file, first)});
     if (!input.dropped.empty())
       warnings.push_back(
           {"canopy_unusable", static_cast<std::int64_t>(input.dropped.size()),
-           fmt::format("features of {} are no polygons, the first, {}: {}", entry.file,
-                       input.dropped.front().source_id, input.dropped.front().reason)});
+           fmt::format("{} features of {} are no polygons, the first, {}: {}", input.dropped.size(),
+                       entry.file, input.dropped.front().source_id, input.dropped.front().reason)});
   }
   return canopies;
 }

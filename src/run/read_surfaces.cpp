@@ -82,13 +82,13 @@ std::vector<SurfaceArea> read_surfaces(const Config& config, const CityModel& ci
     if (!input.dropped.empty())
       warnings.push_back(
           {"surface_unusable", static_cast<std::int64_t>(input.dropped.size()),
-           fmt::format("features of {} are left out, the first, {}: {}", entry.file,
-                       input.dropped.front().source_id, input.dropped.front().reason)});
+           fmt::format("{} features of {} are left out, the first, {}: {}", input.dropped.size(),
+                       entry.file, input.dropped.front().source_id, input.dropped.front().reason)});
     if (unknown_count > 0)
       warnings.push_back({"surface_unknown", unknown_count,
-                          fmt::format("polygons of {} are left out: {} is '{}' or the like, not "
+                          fmt::format("{} polygons of {} are left out: {} is '{}' or the like, not "
                                       "water, road or vegetation",
-                                      entry.file, entry.attribute, unknown)});
+                                      unknown_count, entry.file, entry.attribute, unknown)});
   }
   return surfaces;
 }

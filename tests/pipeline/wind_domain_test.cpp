@@ -324,6 +324,8 @@ TEST(WindDomain, PolygonKeepsTheBuildingsInIt) {
   for (const Dropped& dropped : model.city.dropped) ++reasons[dropped.reason];
   EXPECT_EQ(reasons, (std::map<std::string, int>{{"crosses the domain boundary", 3},
                                                  {"outside the domain", 4}}));
+  EXPECT_TRUE(warnings.front().message.starts_with("7 features are left out, the first, "))
+      << warnings.front().message;
   for (const Building& building : model.city.buildings)
     for (const Point2 p : building.footprint.outer) {
       EXPECT_TRUE(contains({{{0, 0}, {400, 0}, {400, 10}, {0, 70}}, {}}, p));

@@ -324,6 +324,11 @@ def areas(folder, out):
     assert [w["code"] for w in told] == 4 * ["areas_outside"], told
     assert "far.geojson" in told[0]["message"] and "x 508960.0 .. 509120.0, y 5599970.0 .. 5600070.0" in told[0]["message"], told
     assert "509000,5600000,509050,5600040:5" in told[1]["message"] and all("CRS" in w["message"] for w in told), told
+    # Numbers are in the messages.
+    odd = write("odd.geojson", [*near, ((0, 28, 100, 28.3), {"height": 300, "kind": "vegetation"}), ((30, 32, 50, 35), {"height": None, "kind": "lawn"})])
+    told = warnings("odd", *entries(odd))
+    assert {w["code"]: w["count"] for w in told} == {"canopy_left_out": 2, "surface_lost": 30, "surface_unknown": 1}, told
+    assert all(w["message"].startswith(f"{w['count']} ") for w in told), told
 
 
 def elevations_of_roofs(out):
