@@ -187,3 +187,4 @@ def test_domain_in_memory(data):
         city = tp.build_city(data / "footprints.shp", data, domain=given)
         found = shapely.Polygon(city.domain_outline)
         assert found.symmetric_difference(area).area < 0.01 * area.area
+        assert not any("crs" in notice.code for notice in city.warnings), city.warnings
