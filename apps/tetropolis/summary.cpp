@@ -138,8 +138,7 @@ std::vector<std::string> summary(const Report& report) {
   if (report.city) say_city(report, lines);
   if (const std::string line = what_to_open(report); !line.empty()) lines.push_back(line);
   for (const Warning& warning : report.warnings)
-    lines.push_back(fmt::format("note       {}: {} ({})", warning.code,
-                                with_options(warning.message), warning.count));
+    lines.push_back(fmt::format("note       {}: {}", warning.code, with_options(warning.message)));
   say_quality(report, lines);
   double seconds = 0;
   for (const StepTime& step : report.steps) seconds += step.seconds;

@@ -134,6 +134,16 @@ def test_mistakes(frame, data, footprints, points, settings, kind, words):
     assert isinstance(error.value, ValueError) == (kind is tp.UsageError)
 
 
+def test_mistakes_with_data_in_memory(frame, las, data):
+    """What is wrong with files is wrong beside data in memory, too."""
+    with pytest.raises(tp.UsageError, match="points.*dsm"):
+        tp.build_city(frame, las, dsm=data / "points.laz")
+    with pytest.raises(tp.UsageError, match="swap"):
+        tp.build_city(las, frame)
+    with pytest.raises(tp.UsageError, match="point cloud"):
+        tp.build_city(data / "points.laz", las)
+
+
 def test_areas_in_memory(shared_city, tmp_path):
     """Areas make the mesh that files of them make, whatever system they are in."""
     x, y = shared_city.origin
@@ -148,6 +158,8 @@ def test_areas_in_memory(shared_city, tmp_path):
         mesh = tp.build_mesh(shared_city, **given)
         assert mesh.boundary.patches == from_files.boundary.patches and mesh.zones == from_files.zones
         assert np.array_equal(mesh.points, from_files.points) and np.array_equal(mesh.zone, from_files.zone)
+    trees = tp.build_mesh(shared_city, canopies=[(frame.geometry[:1], 6.5), (boxes[1], 9)])
+    assert [(zone["name"], zone["height"]) for zone in trees.report["canopies"]] == [("canopy_1", 6.5), ("canopy_2", 9)]
     degrees = tp.build_mesh(shared_city, refine=(frame.to_crs("EPSG:4326"), 4), surface_layers=(frame.to_crs(4326), "what"))
     assert degrees.boundary.patches == from_files.boundary.patches
     assert abs(degrees.n_cells / from_files.n_cells - 1) < 0.1

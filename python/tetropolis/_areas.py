@@ -14,7 +14,7 @@ from ._errors import UsageError
 from ._input import is_path
 
 TAKE_AREAS = {"refine": "[(areas, 2.5)]", "surface_layers": '[(areas, "water")] or [(areas, "column")]',
-              "canopies": '[areas] or [(areas, "column")]', "planned": '[(areas, 25.0)] or [(areas, "column")]',
+              "canopies": '[areas], [(areas, 8.0)] or [(areas, "column")]', "planned": '[(areas, 25.0)] or [(areas, "column")]',
               "domain": "areas"}
 # Columns that mean something by their name, beside the one that a setting names.
 OF_CANOPIES = ("crown_base", "leaf_area_density")
@@ -55,12 +55,16 @@ def _write(areas: Any, column: Any, path: str, name: str, crs: str) -> None:
     if name in ("refine", "surface_layers") and column is None:
         raise UsageError(f"{name}: give {TAKE_AREAS[name]}: areas alone do not say what they mean")
     columns = list(getattr(areas, "columns", ()))
-    if name in ("surface_layers", "canopies") and column not in (None, "water", "road", "vegetation", *columns):
+    has_height = name == "canopies" and isinstance(column, (int, float, np.number))
+    if name in ("surface_layers", "canopies") and not has_height and \
+            column not in (None, "water", "road", "vegetation", *columns):
         raise UsageError(f"{name}: the areas have no column {column!r}; they have: {', '.join(map(str, columns))}")
     kept = [one for one in (column, *OF_CANOPIES) if isinstance(one, str) and one in columns]
     values = {one: areas[one].array for one in kept}
     if name == "planned":
         values = _heights(areas, column, columns)
+    if has_height:
+        values["height"] = np.full(len(areas), float(column))
     frame = geopandas.GeoDataFrame(values, geometry=areas.geometry.array, crs=areas.crs or crs or None)
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=".*crs.*not provided")
@@ -76,6 +80,8 @@ def areas_as_files(settings: Mapping[str, Any], crs: str = "", planned_crs: str 
             areas, means = value if _is_pair(value) and not is_path(value[0]) else (value, None)
             path = os.path.join(folder, f"{name}_{number}.fgb")
             _write(areas, means, path, name, planned_crs if name == "planned" else crs)
+            if name == "canopies" and means is not None and not isinstance(means, str):
+                means = "height"
             return path if means is None or name == "planned" else f"{path}:{means}"
 
         changed = dict(settings)

@@ -42,6 +42,8 @@ def footprint_table(footprints: Any, id_attribute: str | None) -> _core.Footprin
     """Of a GeoDataFrame, a GeoSeries, a geometry of shapely or several of these."""
     import shapely
 
+    if hasattr(footprints, "xyz") and hasattr(footprints, "header"):  # laspy.LasData
+        raise UsageError("footprints: are a point cloud; swap footprints and points")
     ids: list[str] = []
     columns: list[tuple[str, str, list[str]]] = []
     if hasattr(footprints, "geometry") and hasattr(footprints, "crs"):

@@ -127,7 +127,7 @@ CityInMemory make_city(Config config, InputInMemory input, const StepHooks& hook
   if (input.points) config.points = {input.points->source};
   require_in_range(config, kCity);
   require_given(needed_for_city(config));
-  if (!input.footprints && !input.points) refuse_mistaken_files(config);
+  refuse_mistaken_files(config);
   const ThreadLimit limit(config.threads);
   CityInMemory city{{}, begin_report("city", config)};
   // Canopies are told when the city is meshed.

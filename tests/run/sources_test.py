@@ -388,7 +388,8 @@ def planned(folder, out):
     podium = out / "in/podium.geojson"
     podium.write_text(write("podium.geojson", [((84955, 447505, 84985, 447530), {"height": 8}), ((84962, 447510, 84976, 447522), {"height": 40})])
                       .read_text().replace("32631", "28992"))
-    run(out / "podium", "--footprints", island / "footprints.gpkg", "--points", island / "ahn3.laz", "--planned", podium)
+    footprints_of_delft, points_of_delft = island / "footprints.gpkg", island / "ahn3.laz"
+    run(out / "podium", "--footprints", footprints_of_delft, "--points", points_of_delft, "--planned", podium)
     ground = City(out / "podium").buildings["planned:1"]["ground"]
     roofs = elevations_of_roofs(out / "podium")
     near(*roofs["planned:1"], ground + 40), near(*roofs["planned:0"], 8 + City(out / "podium").buildings["planned:0"]["ground"])
@@ -424,6 +425,20 @@ def planned(folder, out):
     away = write("away.geojson", [((9000, 0, 9020, 20), {"height": 9})])
     run(out / "away", *common, "--planned", away)
     assert "1 of 1 features" in City(out / "away").warnings["planned_left_out"]["message"]
+    # The city as it is gets the domain and the top of the planned one, which is higher, from its folder.
+    tall = write("tall, final.geojson", [((210, 0, 230, 20), {"height": 30})])  # names may have commas
+    run(out / "tall", *common, "--planned", tall, "--domain", "auto", "--wind-from", "240", "--mesh-size", "30", command="build")
+    run(out / "as it is", *common, "--domain", out / "tall", "--wind-from", "240", "--mesh-size", "30", command="build")
+    run(out / "model", *common, "--domain", out / "tall", "--wind-from", "240")
+    sides, tops = [], []
+    for name in "tall", "as it is", "model":
+        model = json.loads((out / name / "city.city.json").read_text())["+tetropolis"]
+        sides.append(model["domainSides"])
+        tops.append(model["domainTop"])
+    assert sides[0] == sides[1] == sides[2] and len(sides[0]) == 4 and tops[0] == tops[1] == tops[2], (sides, tops)
+    assert "domain_blockage" not in City(out / "as it is").warnings
+    told = run(out / "refused", "--footprints", footprints_of_delft, "--points", points_of_delft, "--domain", out / "tall", code=3)
+    assert "tall/city.city.json: its domain is in EPSG:32631" in told and told.count("\n") == 1, told
     run(out / "alone", "--planned", plan)
     assert City(out / "alone").heights() == {"planned:0": 30, "planned:1": 12, "planned:3": 21, "planned:4": 40,
                                                            "planned:5": 6, "planned:6": 50}
