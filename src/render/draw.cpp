@@ -8,6 +8,8 @@
 
 #include "tetropolis/geometry/polygon.h"
 
+#include "scene.h"
+
 namespace tetropolis {
 
 namespace {
@@ -48,6 +50,9 @@ std::string_view strokes(char character) {
       return "";
   }
 }
+
+/// Pixels.
+double letters(const Canvas& canvas) { return std::max(9.0, canvas.height / 70.0); }
 
 }  // namespace
 
@@ -104,13 +109,30 @@ void draw_scale_bar(Canvas& canvas, double pixels_per_metre, Rgb colour, Rgb hal
       length *= factor;
       break;
     }
-  const double size = std::max(9.0, canvas.height / 70.0);
+  const double size = letters(canvas);
   const double x = 2 * size, y = canvas.height - 2 * size, end = x + length * pixels_per_metre;
   for (const double width : {size / 2, size / 8}) {
     const Rgb of = width == size / 2 ? halo : colour;
     draw_line(canvas, {x, y}, {end, y}, width, of);
     for (const double at : {x, end}) draw_line(canvas, {at, y - size / 2}, {at, y}, width, of);
     draw_text(canvas, {(x + end) / 2, y - size}, size, fmt::format("{:g} m", length), width, of);
+  }
+}
+
+void draw_height_bar(Canvas& canvas, double highest, Rgb colour, Rgb halo) {
+  const double size = letters(canvas);
+  const double end = canvas.width - 3 * size, y = canvas.height - 2 * size;
+  const double x = end - 0.16 * canvas.width;
+  draw_line(canvas, {x, y}, {end, y}, size * 0.8, halo);
+  constexpr int kSteps = 64;
+  for (int k = 0; k < kSteps; ++k) {
+    const auto at = [&](int step) { return Point2{x + (end - x) * step / kSteps, y}; };
+    draw_line(canvas, at(k), at(k + 1), size / 2, ramp((k + 0.5) / kSteps));
+  }
+  for (const double width : {size / 2, size / 8}) {
+    const Rgb of = width == size / 2 ? halo : colour;
+    draw_text(canvas, {x, y - 1.3 * size}, size, "0", width, of);
+    draw_text(canvas, {end, y - 1.3 * size}, size, fmt::format("{:.0f} m", highest), width, of);
   }
 }
 

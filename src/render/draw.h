@@ -18,4 +18,7 @@ void draw_text(Canvas& canvas, Point2 middle, double size, std::string_view text
 /// A bar in the lower left corner that is 1, 2 or 5 times a power of ten of metres long.
 void draw_scale_bar(Canvas& canvas, double pixels_per_metre, Rgb colour, Rgb halo);
 
+/// The colours of heights from 0 to `highest` metres, in the lower right corner.
+void draw_height_bar(Canvas& canvas, double highest, Rgb colour, Rgb halo);
+
 }  // namespace tetropolis

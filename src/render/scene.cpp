@@ -30,23 +30,22 @@ PatchKind shown_kind(const SurfaceMesh& surface, std::size_t f) {
   return std::abs(normal.z) < kSteep ? PatchKind::kWall : PatchKind::kRoof;
 }
 
-/// Heights of buildings above the lowest points of their walls.
-std::map<BuildingIndex, double> heights(const SurfaceMesh& surface) {
-  struct Range {
-    double low = kInfinity, high = -kInfinity;
-  };
-  std::map<BuildingIndex, Range> ranges;
+double mean_elevation(const SurfaceMesh& surface, std::size_t f) {
+  double sum = 0;
+  for (const std::int32_t v : surface.triangles[f])
+    sum += surface.points[static_cast<std::size_t>(v)][2] / 3;
+  return sum;
+}
+
+/// Elevations of the lowest points of buildings.
+std::map<BuildingIndex, double> bases(const SurfaceMesh& surface) {
+  std::map<BuildingIndex, double> result;
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
     if (!surface.building[f].valid()) continue;
-    Range& range = ranges[surface.building[f]];
-    for (const std::int32_t v : surface.triangles[f]) {
-      const double z = surface.points[static_cast<std::size_t>(v)][2];
-      range.low = std::min(range.low, z);
-      range.high = std::max(range.high, z);
-    }
+    double& low = result.try_emplace(surface.building[f], kInfinity).first->second;
+    for (const std::int32_t v : surface.triangles[f])
+      low = std::min(low, surface.points[static_cast<std::size_t>(v)][2]);
   }
-  std::map<BuildingIndex, double> result;
-  for (const auto& [building, range] : ranges) result[building] = range.high - range.low;
   return result;
 }
 
@@ -96,9 +95,12 @@ class Colours {
  public:
   Colours(const SurfaceMesh& surface, PictureColour colour) : surface_(surface), colour_(colour) {
     if (colour != PictureColour::kHeight) return;
-    heights_ = heights(surface);
-    for (const auto& [building, h] : heights_) highest_ = std::max(highest_, h);
+    bases_ = bases(surface);
+    for (std::size_t f = 0; f < surface.triangles.size(); ++f)
+      if (surface.building[f].valid()) highest_ = std::max(highest_, height(f));
   }
+
+  double highest() const { return highest_; }
 
   Rgb of(std::size_t f, PatchKind kind) const {
     const Palette palette;
@@ -107,13 +109,18 @@ class Colours {
     const bool by_class = colour_ == PictureColour::kClass || colour_ == PictureColour::kQuality;
     if (by_class || !building.valid())
       return kind == PatchKind::kRoof ? palette.roof : palette.wall;
-    const Rgb roof = colour_ == PictureColour::kBuilding
-                         ? colour_of(building)
-                         : ramp(heights_.at(building) / std::max(highest_, 1e-9));
+    if (colour_ == PictureColour::kHeight)
+      return kind == PatchKind::kRoof ? ramp(height(f) / std::max(highest_, 1e-9)) : palette.wall;
+    const Rgb roof = colour_of(building);
     return kind == PatchKind::kRoof ? roof : mix(roof, palette.wall, 0.5F);
   }
 
  private:
+  /// Of a face of a building above the lowest point of that.
+  double height(std::size_t f) const {
+    return mean_elevation(surface_, f) - bases_.at(surface_.building[f]);
+  }
+
   /// By the names of surface layers' patches.
   static Rgb of_ground(const std::string& name, const Palette& palette) {
     if (name == "water") return palette.water;
@@ -123,7 +130,7 @@ class Colours {
 
   const SurfaceMesh& surface_;
   PictureColour colour_;
-  std::map<BuildingIndex, double> heights_;
+  std::map<BuildingIndex, double> bases_;
   double highest_ = 0;
 };
 
@@ -155,6 +162,7 @@ Scene city_scene(const SurfaceMesh& surface, PictureColour colour, bool edges) {
   for (const Point3& p : surface.points) scene.points.emplace_back(p);
   scene.normals.resize(scene.points.size());
   const Colours colours(surface, colour);
+  scene.highest = colours.highest();
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
     const PatchKind kind = shown_kind(surface, f);
     if (kind == PatchKind::kTop || kind == PatchKind::kSide) continue;
@@ -205,6 +213,7 @@ Scene clipped(const Scene& scene, Vec3 normal, double offset) {
   Scene kept;
   kept.points = scene.points;
   kept.normals = scene.normals;
+  kept.highest = scene.highest;
   for (std::size_t t = 0; t < scene.triangles.size(); ++t) {
     const auto& corners = scene.triangles[t];
     std::array<double, 3> d;

@@ -23,7 +23,7 @@ enum class View {
 /// What colours say.
 enum class PictureColour {
   kClass,     ///< Ground, roofs, walls; in a section, air over ground and air over buildings.
-  kHeight,    ///< Heights of buildings.
+  kHeight,    ///< Heights of roofs above the lowest points of their buildings.
   kBuilding,  ///< Which building.
   kQuality,   ///< Least dihedral angles of the cells of a section.
 };
