@@ -12,7 +12,7 @@ import {byId, choice, el, fixed, plural, whole} from './ui/dom.js';
 import {currentTheme, onSystemTheme, storeTheme} from './ui/theme.js';
 import {cityLegend, type Colours, mapLegend} from './ui/legend.js';
 import type {CityView} from './view/city_view.js';
-import {flagStyle, kBestAngle, kHeightRamp, type Theme} from './view/colours.js';
+import {flagStyle, kBestAngle, type Theme} from './view/colours.js';
 import {Colouring} from './view/surface_material.js';
 
 type Cut = 'off' | Axis;
@@ -182,9 +182,8 @@ export class Page {
   async setColours(colours: Colours): Promise<void> {
     this.colours = colours;
     const {facts} = this.model;
-    const most = highest(facts);
     if (colours === 'class') this.view.setColouring(Colouring.byClass);
-    if (colours === 'height') this.view.setColouring(Colouring.byBuilding, facts.buildings.map((b) => kHeightRamp.at(heightOf(b) / most)));
+    if (colours === 'height') this.view.colourByHeight(facts.buildings.map((b) => toScene(this.model, 0, 0, b.ground).z), highest(facts));
     if (colours === 'flags') this.view.setColouring(Colouring.byBuilding, facts.buildings.map((b) => flagStyle(b.flags).colour));
     this.showLegend();
     if (colours !== 'quality') return;

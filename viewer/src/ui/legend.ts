@@ -31,7 +31,7 @@ export function cityLegend({facts, mesh}: Model, colours: Colours, cuts: boolean
   if (colours === 'class')
     parts.push(el('ul', {class: 'keys'}, key(kGroundColours[0], 'ground'), ...kSurfaceKinds.flatMap((kind, k) => mesh?.regionBuilding.includes(-2 - k) ? [key(kGroundColours[k + 1], kind)] : []), key(kClassColours.roof, 'roof'), key(kClassColours.wall, 'wall')));
   if (colours === 'height')
-    parts.push(ramp('Height of buildings', kHeightRamp.gradient(), ['0', fixed(highest(facts) / 2, 0), `${fixed(highest(facts), 0)} m`]));
+    parts.push(ramp('Height above the ground', kHeightRamp.gradient(), ['0', fixed(highest(facts) / 2, 0), `${fixed(highest(facts), 0)} m`]));
   if (colours === 'quality') {
     parts.push(ramp('Least dihedral angle', kQualityRamp.gradient(), kAngles));
     parts.push(el('p', {class: 'note'}, 'of the worst cell over each triangle'));

@@ -10,7 +10,7 @@ import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
 import type {SkyMap} from '../mesh/sky.js';
 import type {CutCells, CutSolids} from '../mesh/section.js';
 import type {Surface} from '../mesh/surface.js';
-import {kAccent, kClassColours, kGroundColours, kQualityRamp, kQuietGround, type Rgb, type Theme} from './colours.js';
+import {kAccent, kClassColours, kGroundColours, kHeightRamp, kQualityRamp, kQuietGround, type Rgb, type Theme} from './colours.js';
 import {CutView} from './cut_view.js';
 import {
   buildingTexture, Colouring, kPickOffset, linear, pickMaterial, PickMode, rampTexture, skyTexture, surfaceGeometry, surfaceMaterial,
@@ -58,6 +58,7 @@ export class CityView {
   private readonly surface: Mesh;
   private readonly table: Mesh;
   private readonly cutView = new CutView();
+  private readonly ramps = {quality: rampTexture(kQualityRamp.texels()), height: rampTexture(kHeightRamp.texels())};
   private readonly clip = new Plane(new Vector3(1, 0, 0), 0);
   private readonly marker: LineSegments;
   private readonly markerFill: Mesh;
@@ -82,7 +83,7 @@ export class CityView {
       groundColours: {value: kGroundColours.map(linear)}, roofColour: {value: linear(kClassColours.roof)},
       wallColour: {value: linear(kClassColours.wall)}, soilColour: {value: linear(kClassColours.soil)},
       accent: {value: linear(kAccent)}, buildings: {value: buildingTexture(buildings)},
-      ramp: {value: rampTexture(kQualityRamp.texels())}, selected: {value: -1}, hovered: {value: -1},
+      heights: {value: new Vector3(0, 0, 1)}, ramp: {value: this.ramps.quality}, selected: {value: -1}, hovered: {value: -1},
       edges: {value: 0}, edgeColour: {value: new Color(0.02, 0.025, 0.035)}, sky: {value: null},
       skyShare: {value: 0}, skyOrigin: {value: new Vector2()}, skySize: {value: new Vector2(1, 1)},
       skyCell: {value: 1},
@@ -215,9 +216,21 @@ export class CityView {
     this.invalidate();
   }
 
+  /** By the height of each place above its building's ground; `grounds` in the scene. */
+  colourByHeight(grounds: readonly number[], highest: number): void {
+    const low = grounds.reduce((a, b) => Math.min(a, b), Infinity), range = grounds.reduce((a, b) => Math.max(a, b - low), 1e-6);
+    this.uniforms.heights.value.set(low, range, highest);
+    const texture = this.uniforms.buildings.value as DataTexture;
+    const texels = texture.image.data as Uint8Array;
+    grounds.forEach((ground, b) => texels[4 * b + 3] = Math.round(255 * (ground - low) / range));
+    texture.needsUpdate = true;
+    this.setColouring(Colouring.byHeight);
+  }
+
   /** `colours`: per building, where they are shown. */
   setColouring(colouring: Colouring, colours?: readonly Rgb[]): void {
     this.uniforms.colouring.value = colouring;
+    this.uniforms.ramp.value = colouring === Colouring.byHeight ? this.ramps.height : this.ramps.quality;
     this.uniforms.groundColours.value = kGroundColours.map((c) => linear(colouring === Colouring.byClass ? c : kQuietGround));
     if (colours !== undefined) {
       const texture = this.uniforms.buildings.value as DataTexture;

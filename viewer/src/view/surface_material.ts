@@ -10,7 +10,7 @@ import type {SkyMap} from '../mesh/sky.js';
 import type {Rgb} from './colours.js';
 
 /** What colours show. */
-export const enum Colouring { byClass, byBuilding, byAngle }
+export const enum Colouring { byClass, byBuilding, byAngle, byHeight }
 
 const kRowTexels = 1024;
 
@@ -70,7 +70,10 @@ export interface SurfaceUniforms {
   wallColour: {value: Color};
   soilColour: {value: Color};
   accent: {value: Color};
+  /** A texel per building: its colour, or in alpha its ground between the lowest and the highest one. */
   buildings: {value: Texture};
+  /** The lowest ground, how far they differ, and the highest building, metres. */
+  heights: {value: Vector3};
   ramp: {value: Texture};
   selected: {value: number};
   hovered: {value: number};
@@ -109,6 +112,7 @@ in vec3 vPlace, vUpright, vCorner;
 in float vLift, vAngle;
 uniform int colouring, selected, hovered;
 uniform vec3 groundColours[4], roofColour, wallColour, soilColour, accent, edgeColour;
+uniform vec3 heights;
 uniform sampler2D buildings, ramp, sky;
 uniform float edges, skyShare, skyCell;
 uniform vec2 skyOrigin, skySize;
@@ -116,8 +120,10 @@ uniform vec2 skyOrigin, skySize;
 vec3 surfaceColour() {
   int kind = vFeature & 3, building = (vFeature >> ${kBuildingBit}) - 1;
   vec3 colour = kind == 0 ? groundColours[clamp(-1 - building, 0, 3)] : kind == 1 ? roofColour : kind == 2 ? wallColour : soilColour;
-  if (colouring == ${Colouring.byBuilding} && building >= 0)
-    colour = texelFetch(buildings, ivec2(building % ${kRowTexels}, building / ${kRowTexels}), 0).rgb;
+  vec4 texel = texelFetch(buildings, ivec2(max(building, 0) % ${kRowTexels}, max(building, 0) / ${kRowTexels}), 0);
+  if (colouring == ${Colouring.byBuilding} && building >= 0) colour = texel.rgb;
+  if (colouring == ${Colouring.byHeight} && building >= 0)
+    colour = texture(ramp, vec2((vPlace.z - heights.x - heights.y * texel.a) / heights.z, 0.5)).rgb;
   if (colouring == ${Colouring.byAngle} && kind != 3) colour = texture(ramp, vec2(vAngle, 0.5)).rgb;
   if (building >= 0 && building == selected) colour = mix(colour, accent, 0.75);
   else if (building >= 0 && building == hovered) colour = mix(colour, accent, 0.3);
