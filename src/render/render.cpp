@@ -132,8 +132,7 @@ Picture render_city(const SurfaceMesh& surface, const RenderOptions& options) {
   PaintOptions paint_options;
   paint_options.sun_azimuth = options.azimuth + 180 + 48;  // from the left, behind the viewer
   Canvas canvas = paint(scene, camera, options.width, options.height, paint_options);
-  if (scene.highest > 0)
-    draw_height_bar(canvas, scene.highest, linear(0x3C4248), linear(0xF6F3EC));
+  if (scene.highest > 0) draw_height_bar(canvas, scene.highest, linear(0x3C4248), linear(0xF6F3EC));
   return on_background(canvas, linear(0xCBDCEA), linear(0xF6F3EC));
 }
 
@@ -143,8 +142,7 @@ Picture render_plan(const SurfaceMesh& surface, const RenderOptions& options) {
   fit(camera, scene.points, options.width, options.height, kMargin, 0);
   Canvas canvas = paint(scene, camera, options.width, options.height, {});
   draw_scale_bar(canvas, camera.scale, linear(0x3C4248), linear(0xF6F3EC));
-  if (scene.highest > 0)
-    draw_height_bar(canvas, scene.highest, linear(0x3C4248), linear(0xF6F3EC));
+  if (scene.highest > 0) draw_height_bar(canvas, scene.highest, linear(0x3C4248), linear(0xF6F3EC));
   return on_background(canvas, linear(0xF6F3EC), linear(0xF6F3EC));
 }
 

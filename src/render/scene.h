@@ -19,7 +19,7 @@ struct Scene {
   std::vector<Rgb> colour;          ///< Per triangle.
   std::vector<std::uint8_t> edges;  ///< Per triangle: bit i: the edge from corner i to the next is
                                     ///< drawn.
-  double highest = 0;  ///< Of the faces of buildings, if colours tell heights [m].
+  double highest = 0;               ///< Of the faces of buildings, if colours tell heights [m].
 
   void add(const std::array<std::int32_t, 3>& corners, Rgb of, std::uint8_t which_edges = 0) {
     triangles.push_back(corners);
