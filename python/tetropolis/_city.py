@@ -342,7 +342,7 @@ def read_city(path: str | os.PathLike[str], dtm: str | os.PathLike[str] | None =
     path : path
         CityJSON file, or a folder of results.
     dtm : path, optional
-        Terrain raster; by default ``dtm.tif`` beside the city model. Without it the buildings stand on level ground.
+        Terrain raster; by default ``dtm.tif`` beside the city model. Without it the ground is at the buildings' bases.
     progress : bool or callable, optional
         As for `build_city`.
 

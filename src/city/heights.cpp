@@ -43,6 +43,11 @@ void set_roof(Building& building, std::span<double> heights, bool unclassified,
               const HeightOptions& options) {
   building.n_roof_points = static_cast<std::int64_t>(heights.size());
   const double lowest = building.h_ground + options.min_height;
+  if (std::isfinite(building.attribute_roof)) {
+    constexpr double kLeast = 0.001;  // metres: what is below ground has a height, too
+    building.attribute_height =
+        snap_height(std::max(building.attribute_roof - building.h_ground, kLeast));
+  }
   if (!heights.empty()) {
     building.h_roof = percentile(heights, options.roof_percentile);
     if (unclassified) building.flags |= kRoofFromUnclassified;

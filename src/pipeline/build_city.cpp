@@ -1,6 +1,7 @@
 #include "tetropolis/pipeline/build_city.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -33,6 +34,7 @@
 #include "measured_ground.h"
 #include "memory.h"
 #include "planned.h"
+#include "stated_elevations.h"
 
 namespace tetropolis {
 
@@ -53,20 +55,24 @@ namespace {
 /// Of each building: which flag tells what a height rests on that is not measured.
 using HeightBasis = std::vector<std::uint32_t>;
 
-/// Mean of the members' attribute heights, weighted by area; NaN where none has one. Returns on
-/// what they rest.
+/// Mean of the members' attribute heights, weighted by area, or of their roofs' elevations where
+/// one states that; NaN where none has one. Returns on what they rest. `raw` has heights.
 std::uint32_t merge_attribute_heights(const CityModel& raw, const HeightBasis& basis,
                                       const std::vector<BuildingIndex>& members, Building& merged) {
-  double weight = 0, sum = 0;
+  double weight = 0, sum = 0, roofs = 0;
   std::uint32_t merged_basis = 0;
+  bool are_elevations = false;
   for (const BuildingIndex m : members) {
     const Building& member = raw.buildings[m];
     if (!(member.attribute_height > 0)) continue;
     const double share = area(member.footprint);
     weight += share;
     sum += share * member.attribute_height;
+    roofs += share * (member.h_ground + member.attribute_height);
+    are_elevations = are_elevations || std::isfinite(member.attribute_roof);
     merged_basis |= basis[m];
   }
+  if (are_elevations) merged.attribute_roof = roofs / weight;
   merged.attribute_height =
       snap_height(weight > 0 ? sum / weight : std::numeric_limits<double>::quiet_NaN());
   return merged_basis;
@@ -172,7 +178,9 @@ InputFacts facts_of(const CitySources& sources) {
   const FootprintsInput& footprints = sources.footprints;
   InputFacts facts;
   if (sources.terrain)
-    facts.ground = sources.terrain->raster.values.size() == 1 ? "level" : "raster";
+    facts.ground = sources.terrain->raster.values.size() == 1 ? "level"
+                   : sources.terrain->is_of_bases             ? "bases"
+                                                              : "raster";
   else if (sources.has_surface)
     facts.ground = "raster";
   if (sources.has_surface)
@@ -396,6 +404,14 @@ void leave_out_unbuilt(const BuildCityOptions& options, const PointCloud& cloud,
   if (buildings.empty() && !options.terrain_only) throw_no_footprint(raw, source);
 }
 
+/// Valid as long as `footprints` is.
+StatedRoofs stated_roofs(const FootprintsInput& footprints) {
+  StatedRoofs stated;
+  for (const Footprint& feature : footprints.features)
+    if (!feature.roofs.empty()) stated[feature.source_id] = {feature.roofs, feature.base};
+  return stated;
+}
+
 /// Steps 1.3 to 1.6: `result.raw` and `result.terrain`.
 HeightSources make_raw_city(const BuildCityOptions& options, CityInput& input, StepClock& clock,
                             BuiltCity& result) {
@@ -405,6 +421,7 @@ HeightSources make_raw_city(const BuildCityOptions& options, CityInput& input, S
   raw.domain = input.domain;
   raw.crs = input.crs;
   result.terrain = make_terrain(options, input, clock, result);
+  match_to_terrain(result.terrain, raw.domain, input.footprints, result.warnings);
   std::optional<Domain> outline;
   if (options.domain.shape == DomainShape::kGiven)
     outline = in_local_frame(options.domain.given.sides, raw.origin);
@@ -446,16 +463,10 @@ HeightSources make_raw_city(const BuildCityOptions& options, CityInput& input, S
   });
   if (input.has_points()) warn_of_missing_roofs(raw, result.warnings);
   warn_of_other_heights(raw, result.warnings);
-  warn_of_stated_heights(raw, options, input.has_points(), result.warnings);
+  const StatedRoofs kept =
+      options.lod == Lod::kBlock ? StatedRoofs{} : stated_roofs(input.footprints);
+  warn_of_stated_heights(raw, options, kept, input.has_points(), result.warnings);
   return sources;
-}
-
-/// Valid as long as `footprints` is.
-StatedRoofs stated_roofs(const FootprintsInput& footprints) {
-  StatedRoofs stated;
-  for (const Footprint& feature : footprints.features)
-    if (!feature.roofs.empty()) stated[feature.source_id] = feature.roofs;
-  return stated;
 }
 
 /// Steps 2.1 to 2.3: `result.city`.

@@ -146,11 +146,14 @@ void warn_of_missing_roofs(const CityModel& raw, std::vector<Warning>& warnings)
                    roofless, raw.buildings.size())});
 }
 
-void warn_of_stated_heights(const CityModel& raw, const BuildCityOptions& options, bool has_points,
+void warn_of_stated_heights(const CityModel& raw, const BuildCityOptions& options,
+                            const StatedRoofs& kept, bool has_points,
                             std::vector<Warning>& warnings) {
   const auto count = [&](std::uint32_t flag) {
-    return std::count_if(raw.buildings.begin(), raw.buildings.end(),
-                         [&](const Building& building) { return (building.flags & flag) != 0; });
+    return std::count_if(raw.buildings.begin(), raw.buildings.end(), [&](const Building& building) {
+      return (building.flags & flag) != 0 &&
+             find_body(kept, building.source_ids.front()) == nullptr;
+    });
   };
   const auto by_attribute = count(kRoofFromAttribute), by_floors = count(kRoofFromFloors),
              by_default = count(kDefaultHeight);

@@ -8,6 +8,7 @@
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/city/extract.h"
 #include "tetropolis/city/simplify/simplify.h"
+#include "tetropolis/city/stated_roof.h"
 #include "tetropolis/pipeline/build_city.h"
 #include "tetropolis/terrain/dtm.h"
 
@@ -42,8 +43,10 @@ void warn_of_giants(const CityModel& raw, std::vector<Warning>& warnings);
 void warn_of_missing_roofs(const CityModel& raw, std::vector<Warning>& warnings);
 
 /// Heights that are stated and not measured: of all buildings where there are no points, else where
-/// floors were counted. `raw` has heights.
-void warn_of_stated_heights(const CityModel& raw, const BuildCityOptions& options, bool has_points,
+/// floors were counted. `raw` has heights; buildings that keep the roofs that they state, `kept`,
+/// do not count.
+void warn_of_stated_heights(const CityModel& raw, const BuildCityOptions& options,
+                            const StatedRoofs& kept, bool has_points,
                             std::vector<Warning>& warnings);
 
 /// Where the heights that features state differ from the measured ones as feet do from metres, or

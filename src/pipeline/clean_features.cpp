@@ -158,6 +158,7 @@ CleanFeatures clean_features(const BuildCityOptions& options, const FootprintsIn
       building.source_ids = {k == 0 ? feature.source_id : part_ids.next(feature.source_id)};
       building.footprint = std::move(kept.parts[k]);
       building.attribute_height = snap_height(feature.height);
+      building.attribute_roof = feature.base + feature.height;
       result.basis.push_back(feature.from_floors ? kRoofFromFloors : kRoofFromAttribute);
       result.buildings.push_back(std::move(building));
     }

@@ -70,8 +70,8 @@ std::vector<ConfigField> input_fields() {
       {.name = "dtm",
        .member = &C::dtm,
        .commands = kBuild | kCity | kMesh,
-       .help = "Terrain: rasters, folders, patterns; default: of the ground points (mesh: level "
-               "ground)",
+       .help = "Terrain: rasters, folders, patterns; default: of the ground points, else of the "
+               "bases of a city model, else level",
        .value = "PATH",
        .common = true},
       {.name = "dsm",
@@ -82,7 +82,8 @@ std::vector<ConfigField> input_fields() {
       {.name = "ground_level",
        .member = &C::ground_level,
        .commands = kBuild | kCity | kMesh,
-       .help = "Elevation of level ground, where there is neither terrain nor ground points",
+       .help = "Elevation of level ground, where there is neither terrain nor ground points; of a "
+               "city model, if not 0",
        .unit = "m",
        .min = -1000,
        .max = 9000},

@@ -20,6 +20,7 @@
 #include "options_of.h"
 #include "pipeline/common_crs.h"
 #include "pipeline/footprint_extent.h"
+#include "pipeline/ground_of_bases.h"
 #include "pipeline/memory.h"
 #include "read_planned.h"
 #include "read_rasters.h"
@@ -261,6 +262,17 @@ PlainPoints read_all_plain(const Config& config) {
   return all;
 }
 
+/// Of the bases of city models, unless level ground is asked for.
+TerrainInput ground_without_rasters(const Config& config, const FootprintsInput& footprints,
+                                    const std::string& crs, const Bounds2& box, Point2 origin,
+                                    std::vector<Warning>& warnings) {
+  if (config.ground_level == 0) {
+    if (auto terrain = ground_of_bases(footprints, box, origin, config.dtm_step, warnings))
+      return *std::move(terrain);
+  }
+  return level_ground(config, crs, box, origin, warnings);
+}
+
 /// Without points: rasters and footprints.
 RunInput read_without_points(const Config& config, Next next, StepClock& clock,
                              std::vector<Warning>& warnings, const InputInMemory& given) {
@@ -306,7 +318,7 @@ RunInput read_without_points(const Config& config, Next next, StepClock& clock,
       return read_terrain(config, rasters, crs, box, origin, warnings);
     });
   else if (rasters.surface.empty())
-    input.terrain = level_ground(config, crs, box, origin, warnings);
+    input.terrain = ground_without_rasters(config, input.footprints, crs, box, origin, warnings);
   if (!box.empty())
     require_fits(config, input.footprints, static_cast<double>(input.points.points.size()), box,
                  next);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
+#include <limits>
 #include <span>
 #include <string>
 #include <utility>
@@ -93,6 +94,7 @@ void add_planned(const Config& config, const ReadFootprintsOptions& options,
               path, feature.source_id,
               stated_text(planned, feature, given.attribute.empty() ? "height" : given.attribute));
         feature.is_planned = true;
+        feature.base = std::numeric_limits<double>::quiet_NaN();  // it stands on the ground
       }
       for (UnusableFootprint& feature : planned.dropped) feature.is_planned = true;
       // Of a plan nothing is assumed: it is meant to have heights.

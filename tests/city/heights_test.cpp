@@ -146,6 +146,21 @@ TEST(Heights, WithoutRoofPointsComeFromTheAttributeOrTheMinimum) {
   EXPECT_EQ(scene.buildings[0].n_roof_points, 0);
 }
 
+TEST(Heights, AnElevationThatIsStatedDoesNotMoveWithTheGround) {
+  for (const double ground : {4.0, -30.0}) {
+    Case scene({}, {ground});
+    scene.buildings[0].attribute_height = 6.5;  // above another ground
+    scene.buildings[0].attribute_roof = 11;
+    EXPECT_DOUBLE_EQ(scene.compute().h_roof, 11);
+    EXPECT_DOUBLE_EQ(scene.buildings[0].attribute_height, 11 - ground);
+    EXPECT_EQ(scene.buildings[0].flags, static_cast<std::uint32_t>(kRoofFromAttribute));
+  }
+  Case buried({}, {12});
+  buried.buildings[0].attribute_roof = 11;
+  EXPECT_DOUBLE_EQ(buried.compute().h_roof, 14.5);
+  EXPECT_EQ(buried.buildings[0].flags, kRoofFromAttribute | kMinimumHeight);
+}
+
 TEST(Heights, PointsWinOverTheAttribute) {
   Case scene({20}, {4});
   scene.buildings[0].attribute_height = 6.5;

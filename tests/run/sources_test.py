@@ -444,8 +444,150 @@ def planned(folder, out):
                                                            "planned:5": 6, "planned:6": 50}
 
 
+WEST, SOUTH = 2683000, 1247000
+
+
+def write_model(path, bodies, lift=lambda name: 0):
+    """Bodies by name: x, y, width, depth, elevations of base, eaves and ridge (which lies along x); `lift`: of each."""
+    vertices, objects = [], {}
+    for name, (x, y, w, d, base, eaves, ridge) in bodies.items():
+        first, up = len(vertices), lift(name)
+        for z in (base, eaves):
+            vertices += [[x, y, z + up], [x + w, y, z + up], [x + w, y + d, z + up], [x, y + d, z + up]]
+        vertices += [[x, y + d / 2, ridge + up], [x + w, y + d / 2, ridge + up]]
+        faces = [([0, 3, 2, 1], 0)]
+        if ridge == eaves:
+            faces += [([4, 5, 6, 7], 1)] + [([k, (k + 1) % 4, 4 + (k + 1) % 4, 4 + k], 2) for k in range(4)]
+        else:
+            faces += [([4, 5, 9, 8], 1), ([6, 7, 8, 9], 1), ([0, 1, 5, 4], 2), ([1, 2, 6, 9, 5], 2), ([2, 3, 7, 6], 2), ([3, 0, 4, 8, 7], 2)]
+        objects[name] = {"type": "Building", "attributes": {"year": 1900 + first, "roof": name[0], "owner": {"name": "none"}}, "geometry": [
+            {"type": "Solid", "lod": "2", "boundaries": [[[[first + v for v in face]] for face, _ in faces]],
+             "semantics": {"surfaces": [{"type": t + "Surface"} for t in ("Ground", "Roof", "Wall")], "values": [[kind for _, kind in faces]]}}]}
+    path.write_text(json.dumps({
+        "type": "CityJSON", "version": "1.1", "transform": {"scale": [0.001] * 3, "translate": [WEST, SOUTH, 0]}, "CityObjects": objects,
+        "metadata": {"referenceSystem": "https://www.opengis.net/def/crs/EPSG/0/2056"},
+        "vertices": [[round(c * 1000) for c in v] for v in vertices]}))
+    return path
+
+
+def roof_planes(out):
+    """Per footprint: functions of x and y, relative to WEST and SOUTH."""
+    planes = {}
+    for item in json.loads((out / "city.city.json").read_text())["CityObjects"].values():
+        for surface in item["geometry"][-1]["semantics"]["surfaces"]:
+            if "roof_plane" in surface:
+                planes.setdefault(surface["source_id"], []).append(surface["roof_plane"])
+    at = lambda p: lambda x, y: p[2] + p[3] * (x + WEST - p[0]) + p[4] * (y + SOUTH - p[1])
+    return {name: [at(p) for p in of] for name, of in planes.items()}
+
+
+def models(_, out):
+    """City models stand where they say, on any terrain and on none."""
+    (out / "in").mkdir(parents=True)
+    terrain = lambda x: 450 + 0.1 * x
+    # Bases are 3 m below the ground; two houses touch, a dormer lies on a roof, one roof is sloped.
+    bodies = {name: (x, 0, 20, 12, terrain(x) - 3, terrain(x) + 12, terrain(x) + 12) for name, x in (("alone", 0), ("low", 40), ("high", 60))}
+    bodies["gable"] = (120, 0, 20, 12, 459, 470, 475)
+    bodies["dormer"] = (4, 3, 6, 6, 462, 465, 465)
+    model = write_model(out / "in/model.city.json", bodies)
+    grid = out / "in/dtm.asc"
+    grid.write_text(f"ncols 260\nnrows 160\nxllcorner {WEST - 60}\nyllcorner {SOUTH - 80}\ncellsize 1\nNODATA_value -9999\n"
+                    + (" ".join(f"{terrain(i - 59.5):.3f}" for i in range(260)) + "\n") * 160)
+    raster = ["--dtm", grid, "--raster-crs", "EPSG:2056"]
+    roof = {"alone": 462, "low": 466, "high": 468, "gable": 474.5, "dormer": 465}  # of the gable, nine tenths are below that
+
+    def stands(name, *args, command="city", model=model, grounds=lambda name: terrain(bodies[name][0] + bodies[name][2] / 2), off=0):
+        run(out / name, *(["--footprints", model] if command != "mesh" else ["--city", model]), *args, command=command)
+        city = City(out / name)
+        assert set(city.buildings) == set(bodies), city.buildings
+        for key, b in city.buildings.items():
+            near(b["ground"], grounds(key), 0.011)
+            near(b["ground"] + b["height"], roof[key] + off, 0.011)
+        assert "model_off_terrain" not in city.warnings
+        return city
+
+    def has_planes(name, off=0):
+        planes = roof_planes(out / name)
+        for key in ("low", "high"):
+            assert [p(0, 0) for p in planes[key]] == [roof[key] + off], planes
+        for y, slope in ((3, 5 / 6), (9, -5 / 6)):
+            assert any(all(abs(p(x, y) - 472.5 - off) < 0.05 for x in (120, 140)) and abs(p(130, y + 1) - p(130, y) - slope) < 0.01
+                       for p in planes["gable"]), planes
+
+    for lod in ("block", "1.2", "1.3", "2.2"):
+        city = stands(f"raster-{lod}", *raster, "--lod", lod, command="build" if lod == "2.2" else "city")
+        assert ("heights_stated" in city.warnings) == (lod == "block"), city.warnings
+        merged = City(out / f"raster-{lod}", "city.city.json").buildings["low"]
+        near(merged["ground"] + merged["height"], 467), near(merged["ground"], 456)
+    has_planes("raster-2.2")
+    stands("mesh", *raster[:2], command="mesh"), has_planes("mesh")
+
+    # Of another vertical system, all bases at 0: heights above the base count from the ground.
+    for name, lift in (("lifted", lambda key: 47), ("levelled", lambda key: -bodies[key][4])):
+        run(out / name, "--footprints", write_model(out / f"in/{name}.city.json", bodies, lift), *raster)
+        city = City(out / name)
+        for key, height in city.heights().items():
+            near(height, roof[key] - bodies[key][4])
+        told = city.warnings["model_off_terrain"]
+        assert told["count"] == 5 and ("44." if name == "lifted" else "45") in told["message"], told
+
+    # Without a raster, the ground is that of the bases, and runs from one to the next.
+    bases = lambda key: bodies[key][4] if key != "dormer" else 447
+    city = stands("bare", command="build", grounds=bases)
+    has_planes("bare")
+    assert city.report["input"]["ground"] == "bases" and city.warnings["ground_of_bases"]["count"] == 4, city.warnings
+    assert "447.0 to 459.0 m" in city.warnings["ground_of_bases"]["message"] and "ground_level" not in city.warnings
+    stands("bare-mesh", command="mesh", grounds=bases)
+    between = out / "in/between.geojson"
+    between.write_text(json.dumps({"type": "FeatureCollection", "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::2056"}},
+                                   "features": [{"type": "Feature", "properties": {"height": 7}, "geometry": {"type": "Polygon", "coordinates": [
+                                       [[WEST + x, SOUTH + y] for x, y in ((98, 2), (104, 2), (104, 8), (98, 8), (98, 2))]]}}]}))
+    run(out / "between", "--footprints", model, between)
+    house = next(b for key, b in City(out / "between").buildings.items() if key.startswith("between"))
+    assert 454 < house["ground"] < 458 and math.isclose(house["height"], 7), house
+    run(out / "told", "--footprints", model, "--ground-level", "50")
+    assert {b["ground"] for b in City(out / "told").buildings.values()} == {50}
+    # A model of ours without its terrain; what is planned stands on the ground.
+    (out / "alone").mkdir()
+    own = out / "alone/city.city.json"
+    own.write_bytes((out / "raster-2.2/city.city.json").read_bytes())
+    run(out / "own", "--city", own, command="mesh")
+    before, after = (json.loads(p.read_text())["CityObjects"].values() for p in (own, out / "own/city.city.json"))
+    heights = lambda items: sorted((min(i["attributes"]["source_ids"]), i["attributes"]["h_roof"]) for i in items)
+    assert len(before) == len(after)
+    for a, b in zip(sorted(i["attributes"]["h_roof"] for i in before), sorted(i["attributes"]["h_roof"] for i in after)):
+        near(a, b, 0.011)
+    run(out / "planned", "--planned", model, *raster)
+    for key, height in City(out / "planned").heights().items():
+        near(height, roof[key.split(":")[1].split("#")[0]] - bodies[key.split(":")[1].split("#")[0]][4])
+    hilly(out / "hilly")
+
+
+def hilly(out):
+    """Zurich: roofs and bases between 396 and 616 m, dormers as objects of their own."""
+    path = DATA / "models/zurich_subset_lod2.json"
+    if not path.is_file():
+        return
+    model = json.loads(path.read_text())
+    scale, shift = model["transform"]["scale"][2], model["transform"]["translate"][2]
+    flat = lambda a: [a] if isinstance(a, int) else [v for b in a for v in flat(b)]
+    spans = {}
+    for key, item in model["CityObjects"].items():
+        z = [model["vertices"][v][2] * scale + shift for g in item.get("geometry", []) for v in flat(g["boundaries"])]
+        spans[key] = (min(z), max(z)) if z else None
+    run(out, "--footprints", path)
+    for item in json.loads((out / "city.city.json").read_text())["CityObjects"].values():
+        a = item["attributes"]
+        near(a["h_ground"], min(spans[key][0] for key in a["source_ids"]), 0.011)
+        top = max(spans[key][1] for key in a["source_ids"])
+        assert top - 10 < a["h_roof"] < top + 0.01, (a, top)
+    for key, b in City(out).buildings.items():
+        assert spans[key][1] - 7 < b["ground"] + b["height"] < spans[key][1] + 0.01, (key, b, spans[key])
+
+
 CASES = {
     "planned": planned,
+    "models": models,
     "settings": settings,
     "areas": areas,
     "01-citygml-building-parts": citygml_building_parts,
@@ -467,7 +609,7 @@ CASES = {
 def main():
     case = sys.argv[2]
     folder = (REPORTS if case[0].isdigit() else DATA) / case
-    if not folder.is_dir() and case not in ("planned", "settings", "areas"):
+    if not folder.is_dir() and case not in ("planned", "models", "settings", "areas"):
         print(f"skipped: {folder} is not there")
         return 77
     with tempfile.TemporaryDirectory() as scratch:

@@ -98,8 +98,11 @@ struct Building {
   std::uint32_t flags = 0;              ///< BuildingFlag bits.
   double attribute_height = 0;          ///< Height above ground from the input attribute; NaN or
                                         ///< <= 0 where there is none.
-  std::vector<RoofPart> parts = {};     ///< None: the whole footprint is flat at h_roof. Otherwise
-                                        ///< h_roof is the height of the block in LoD1.2.
+  /// Elevation of the roof, where the input states that: attribute_height follows from it
+  /// (compute_heights). NaN: it does not. Not in files.
+  double attribute_roof = std::numeric_limits<double>::quiet_NaN();
+  std::vector<RoofPart> parts = {};  ///< None: the whole footprint is flat at h_roof. Otherwise
+                                     ///< h_roof is the height of the block in LoD1.2.
 };
 
 /// Why an input feature ended in no building, for counts and maps.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <map>
 #include <span>
 #include <string_view>
@@ -16,10 +17,24 @@ namespace tetropolis {
 struct StatedRoof {
   Polygon outline;
   std::array<Point2, 3> at;      ///< Not on one line.
-  std::array<double, 3> height;  ///< Above the ground of its building there, metres.
+  std::array<double, 3> height;  ///< Above the base of its building there, metres.
+};
+
+/// The roofs of one footprint.
+struct StatedBody {
+  std::span<const StatedRoof> roofs;
+  /// Elevation that their heights are above, metres; NaN: that of the footprint's ground.
+  double base = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// By source id of the footprint.
-using StatedRoofs = std::map<std::string_view, std::span<const StatedRoof>>;
+using StatedRoofs = std::map<std::string_view, StatedBody>;
+
+/// Of a footprint, or of the one that it was cut from ("ID#2"); null if that has none.
+inline const StatedBody* find_body(const StatedRoofs& stated, std::string_view source_id) {
+  auto found = stated.find(source_id);
+  if (found == stated.end()) found = stated.find(source_id.substr(0, source_id.rfind('#')));
+  return found == stated.end() ? nullptr : &found->second;
+}
 
 }  // namespace tetropolis

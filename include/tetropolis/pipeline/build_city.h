@@ -38,6 +38,7 @@ struct TerrainInput {
   Raster raster;                   ///< Every value is finite. One node: level ground everywhere.
   Point2 origin;                   ///< Of the raster's frame, CRS coordinates.
   std::string crs;                 ///< Of the coordinates; "" if unknown.
+  bool is_of_bases = false;        ///< It is made of the bases of buildings (ground_of_bases.h).
 };
 
 /// What a city is made of. Roofs are those of the points, else the heights that footprints state;
@@ -82,7 +83,8 @@ struct BuildCityOptions {
 
 /// What went in.
 struct InputFacts {
-  std::string ground = "points";  ///< What the terrain is made of: "points", "raster", "level".
+  std::string ground = "points";  ///< What the terrain is made of: "points", "raster",
+                                  ///< "bases" (of buildings), "level".
   std::string roofs = "points";   ///< The same of roofs: "points", "raster", "attributes".
   std::int64_t point_files = 0;
   std::int64_t point_files_skipped = 0;

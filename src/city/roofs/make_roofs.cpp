@@ -5,7 +5,6 @@
 #include <map>
 #include <numbers>
 #include <optional>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -47,14 +46,6 @@ std::vector<Point3> sample_level_roof(const Building& footprint) {
   return sample_roofs(std::span(&level, 1), footprint.footprint, footprint.h_ground);
 }
 
-/// Of the footprint, or of the one that it was cut from ("ID#2").
-std::span<const StatedRoof> roofs_of(const Building& footprint, const StatedRoofs& stated) {
-  const std::string_view id = footprint.source_ids.front();
-  auto found = stated.find(id);
-  if (found == stated.end()) found = stated.find(id.substr(0, id.rfind('#')));
-  return found == stated.end() ? std::span<const StatedRoof>() : found->second;
-}
-
 RoofInput input_of(const Building& building, const CityModel& raw, const BuildingPoints& points,
                    const std::vector<BuildingIndex>& members, const PointCloud& cloud,
                    const StatedRoofs& stated) {
@@ -66,8 +57,10 @@ RoofInput input_of(const Building& building, const CityModel& raw, const Buildin
     std::vector<Point3> list;
     for (const PointIndex p : points.roof[m]) list.push_back({cloud.x[p], cloud.y[p], cloud.z[p]});
     RoofSource source = RoofSource::kMeasured;
-    if (const auto roofs = roofs_of(footprint, stated); list.empty() && !roofs.empty()) {
-      list = sample_roofs(roofs, footprint.footprint, footprint.h_ground);
+    if (const StatedBody* body = find_body(stated, footprint.source_ids.front());
+        list.empty() && body != nullptr) {
+      const double base = std::isfinite(body->base) ? body->base : footprint.h_ground;
+      list = sample_roofs(body->roofs, footprint.footprint, base);
       source = RoofSource::kStated;
     } else if (list.empty() && members.size() > 1 && states_height(footprint)) {
       list = sample_level_roof(footprint);

@@ -23,7 +23,7 @@ double height_at(const StatedRoof& roof, Point2 p) {
 }  // namespace
 
 std::vector<Point3> sample_roofs(std::span<const StatedRoof> roofs, const Polygon& footprint,
-                                 double h_ground) {
+                                 double base) {
   constexpr double kStep = 0.5;
   std::vector<Bounds2> boxes;
   for (const StatedRoof& roof : roofs) boxes.push_back(bounds(roof.outline));
@@ -42,7 +42,7 @@ std::vector<Point3> sample_roofs(std::span<const StatedRoof> roofs, const Polygo
       const Point2 p{(i + 0.5) * kStep, (j + 0.5) * kStep};
       if (!contains(footprint, p)) continue;
       if (const double height = highest_at(p); std::isfinite(height))
-        points.push_back({p.x, p.y, h_ground + height});
+        points.push_back({p.x, p.y, base + height});
     }
   return points;
 }

@@ -9,9 +9,9 @@
 namespace tetropolis {
 
 /// The highest of the roofs at the points of a grid of half a metre, (i / 2 + 1/4, j / 2 + 1/4)
-/// with whole i and j, that lie in `footprint` and under a roof; elevations, with the ground at
-/// `h_ground`. Local frame, metres.
+/// with whole i and j, that lie in `footprint` and under a roof; elevations, with `base` that of
+/// height 0. Local frame, metres.
 std::vector<Point3> sample_roofs(std::span<const StatedRoof> roofs, const Polygon& footprint,
-                                 double h_ground);
+                                 double base);
 
 }  // namespace tetropolis

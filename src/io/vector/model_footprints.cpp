@@ -70,6 +70,7 @@ FootprintsInput read_model_footprints(const fs::path& path, const ReadFootprints
     feature.source_id = building.source_ids.front();
     feature.polygon = building.footprint;
     feature.height = building.h_roof - building.h_ground;
+    feature.base = building.h_ground;
     feature.roofs = std::move(roofs[b]);
     for_each_position(feature, [&](Point2& p) {
       p = {p.x + model.origin.x, p.y + model.origin.y};

@@ -70,6 +70,9 @@ struct Footprint {
   std::int64_t feature = -1;           ///< Row of FootprintsInput::attributes; -1 if there is none.
   bool from_floors = false;            ///< The height is a number of floors times floor_height.
   std::vector<StatedRoof> roofs = {};  ///< Of a city model; none: flat at `height`.
+  double base = std::numeric_limits<double>::quiet_NaN();  ///< Elevation that `height` and `roofs`
+                                                           ///< are above, in a city model; NaN:
+                                                           ///< that of the ground.
   bool is_planned = false;  ///< Has the height that it states, and others make way: those that it
                             ///< covers by half, and what it covers of all. Of height 0: nothing is
                             ///< to stand there.
