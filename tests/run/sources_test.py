@@ -9,6 +9,7 @@ import json
 import math
 import os
 import pathlib
+import sqlite3
 import subprocess
 import sys
 import tempfile
@@ -463,6 +464,10 @@ def write_model(path, bodies, lift=lambda name: 0):
         objects[name] = {"type": "Building", "attributes": {"year": 1900 + first, "roof": name[0], "owner": {"name": "none"}}, "geometry": [
             {"type": "Solid", "lod": "2", "boundaries": [[[[first + v for v in face]] for face, _ in faces]],
              "semantics": {"surfaces": [{"type": t + "Surface"} for t in ("Ground", "Roof", "Wall")], "values": [[kind for _, kind in faces]]}}]}
+    if "dormer" in objects:
+        objects["dormer"] |= {"type": "BuildingPart", "parents": ["alone"], "attributes": {"roof": None, "area": 36, "year": 2001}}
+        objects["alone"]["attributes"]["area"] = 240.5
+        objects["alone"]["children"] = ["dormer"]
     path.write_text(json.dumps({
         "type": "CityJSON", "version": "1.1", "transform": {"scale": [0.001] * 3, "translate": [WEST, SOUTH, 0]}, "CityObjects": objects,
         "metadata": {"referenceSystem": "https://www.opengis.net/def/crs/EPSG/0/2056"},
@@ -520,6 +525,12 @@ def models(_, out):
         merged = City(out / f"raster-{lod}", "city.city.json").buildings["low"]
         near(merged["ground"] + merged["height"], 467), near(merged["ground"], 456)
     has_planes("raster-2.2")
+    with sqlite3.connect(out / "raster-2.2/buildings.gpkg") as layers:
+        layers.row_factory = sqlite3.Row
+        rows = {r["source_id"]: r for r in layers.execute("SELECT * FROM footprints")}
+    assert "owner" not in rows["low"].keys() and rows["low"]["area"] is None and rows["alone"]["area"] == 240.5
+    assert {key: (r["year"], r["roof"]) for key, r in rows.items()} == {"alone": (1900, "a"), "low": (1910, "l"), "high": (1920, "h"),
+                                                                      "gable": (1930, "g"), "dormer": (2001, "a")}, list(map(tuple, rows.values()))
     stands("mesh", *raster[:2], command="mesh"), has_planes("mesh")
 
     # Of another vertical system, all bases at 0: heights above the base count from the ground.

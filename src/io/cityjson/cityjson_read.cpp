@@ -28,6 +28,7 @@
 #include "is_prism.h"
 #include "model_document.h"
 #include "model_metres.h"
+#include "object_attributes.h"
 
 namespace tetropolis {
 
@@ -153,10 +154,14 @@ Lod lod_of(double level) { return level >= 2 ? Lod::k2_2 : level >= 1.25 ? Lod::
 
 class CityReader {
  public:
-  /// `keys`: of all objects of the file. `roofs`, if given: see read_city.
-  CityReader(const CityFrame& frame, std::span<const std::string> keys, CityModel& model,
-             std::vector<std::vector<StatedRoof>>* roofs)
-      : frame_(frame), keys_(keys.begin(), keys.end()), model_(model), roofs_(roofs) {}
+  /// `objects`: all of the file, with these `keys`. `details`, if given: see read_city.
+  CityReader(const CityFrame& frame, const Json& objects, std::span<const std::string> keys,
+             CityModel& model, CityDetails* details)
+      : frame_(frame),
+        objects_(objects),
+        keys_(keys.begin(), keys.end()),
+        model_(model),
+        details_(details) {}
 
   void add(const Place& object, const std::string& key) {
     const std::string& type = object.at("type").text();
@@ -217,6 +222,7 @@ class CityReader {
         if (taken.insert(id).second) building.id = std::move(id);
       }
     }
+    if (details_ != nullptr) details_->attributes = attribute_columns(attributes_);
   }
 
  private:
@@ -234,8 +240,9 @@ class CityReader {
       require_parts(object, building);
       if (!is_roofed(faces, building)) other_solids_.push_back(building.id);
     }
-    if (roofs_ != nullptr) {
-      std::vector<StatedRoof>& roofs = roofs_->emplace_back();
+    if (details_ != nullptr) {
+      attributes_.push_back(Json::object());
+      std::vector<StatedRoof>& roofs = details_->roofs.emplace_back();
       for (const RoofPart& part : building.parts)
         roofs.push_back(stated_roof(part.outline, part.roof, building.h_ground));
     }
@@ -283,18 +290,22 @@ class CityReader {
         building.footprint = std::move(body.footprint);
         building.parts = std::move(body.parts);
       }
-      if (roofs_ != nullptr)
-        roofs_->push_back(lod_of(geometry.lod) > Lod::k1_2 ? stated_roofs(own, heights.low)
-                                                           : std::vector<StatedRoof>{});
+      if (details_ != nullptr) {
+        attributes_.push_back(attributes_of(objects_, key));
+        details_->roofs.push_back(lod_of(geometry.lod) > Lod::k1_2 ? stated_roofs(own, heights.low)
+                                                                   : std::vector<StatedRoof>{});
+      }
       model_.buildings.push_back(std::move(building));
     }
     if (!flattened.empty() && flattened_++ == 0) first_flattened_ = key + ": " + flattened;
   }
 
   const CityFrame& frame_;
+  const Json& objects_;
   std::unordered_set<std::string> keys_;
   CityModel& model_;
-  std::vector<std::vector<StatedRoof>>* roofs_;
+  CityDetails* details_;
+  std::vector<Json> attributes_;  ///< Per building.
   std::vector<std::string> other_solids_;
   std::vector<std::string> extension_types_;
   std::size_t reliefs_ = 0;
@@ -462,7 +473,7 @@ void warn_of_objects(const fs::path& path, const CityReader& reader,
 }  // namespace
 
 CityModel read_city(const fs::path& path, std::vector<Warning>* warnings, BrokenObjects broken,
-                    std::vector<std::vector<StatedRoof>>* roofs) {
+                    CityDetails* details) {
   const ModelDocument document = read_document(path);
   const Place root(path, document.root);
   check_type(root);
@@ -483,7 +494,7 @@ CityModel read_city(const fs::path& path, std::vector<Warning>* warnings, Broken
   const std::size_t dropped_before = model.dropped.size();
   const Place objects = root.at("CityObjects");
   if (!objects.value().is_object()) objects.fail("is not an object");
-  CityReader reader(frame, document.keys, model, roofs);
+  CityReader reader(frame, objects.value(), document.keys, model, details);
   for (const std::string& key : document.keys) {
     if (drop_broken)
       reader.add_or_drop(objects.at(key), key);
@@ -510,7 +521,7 @@ CityModel read_city(const fs::path& path, std::vector<Warning>* warnings, Broken
                        "(first: {})",
                        path.string(), guessed.size(), guessed.front())});
     warn_of_objects(path, reader, std::span(model.dropped).subspan(dropped_before),
-                    roofs != nullptr, *warnings);
+                    details != nullptr, *warnings);
     if (!states_its_extent(root, frame))
       warnings->push_back(
           {"city_extent_differs", 1,

@@ -1,6 +1,8 @@
 #include "model_footprints.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <fstream>
 #include <string>
 #include <string_view>
@@ -60,8 +62,8 @@ FootprintsInput read_model_footprints(const fs::path& path, const ReadFootprints
                               path.string(), name));
   FootprintsInput input;
   input.source = path.string();
-  std::vector<std::vector<StatedRoof>> roofs;
-  CityModel model = read_city(path, &input.warnings, BrokenObjects::kDrop, &roofs);
+  CityDetails details;
+  CityModel model = read_city(path, &input.warnings, BrokenObjects::kDrop, &details);
   input.crs = options.source_crs.empty() ? model.crs : normalise_crs(options.source_crs);
   input.layer = "city model";
   for (std::size_t b = 0; b < model.buildings.size(); ++b) {
@@ -71,13 +73,16 @@ FootprintsInput read_model_footprints(const fs::path& path, const ReadFootprints
     feature.polygon = building.footprint;
     feature.height = building.h_roof - building.h_ground;
     feature.base = building.h_ground;
-    feature.roofs = std::move(roofs[b]);
+    feature.roofs = std::move(details.roofs[b]);
+    if (options.attributes && !details.attributes.empty())
+      feature.feature = static_cast<std::int64_t>(b);
     for_each_position(feature, [&](Point2& p) {
       p = {p.x + model.origin.x, p.y + model.origin.y};
     });
     for (const Point2 p : feature.polygon.outer) input.bounds.extend(p);
     input.features.push_back(std::move(feature));
   }
+  if (options.attributes) input.attributes = std::move(details.attributes);
   for (Dropped& dropped : model.dropped) input.dropped.push_back({{std::move(dropped)}, -1});
   input.features_read = std::ssize(input.features) + std::ssize(input.dropped);
   if (input.crs.empty())

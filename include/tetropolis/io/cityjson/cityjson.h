@@ -12,6 +12,7 @@
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/city/stated_roof.h"
 #include "tetropolis/core/warning.h"
+#include "tetropolis/io/vector/vector.h"
 
 namespace tetropolis {
 
@@ -48,6 +49,17 @@ void write_city(const std::filesystem::path& path, const CityModel& model,
 /// What becomes of objects that contradict the format in files of other programs.
 enum class BrokenObjects { kRefuse, kDrop };
 
+/// What a file states of its buildings beyond CityModel, one per building, in the order of these.
+struct CityDetails {
+  /// What is above each, in the model's frame, also where it does not tile the ground: one roof per
+  /// RoofSurface (of a geometry without semantics: per surface that is not vertical, so that the
+  /// highest counts), none of LoD 0 to 1.2.
+  std::vector<std::vector<StatedRoof>> roofs;
+  /// Numbers, booleans and text, by name; a part has those of its building, too, unless it has its
+  /// own. None of files of write_city.
+  std::vector<AttributeColumn> attributes;
+};
+
 /// Reads a city model.
 ///
 /// Files of write_city come back as they were: same order, same bits in coordinates and heights
@@ -78,12 +90,9 @@ enum class BrokenObjects { kRefuse, kDrop };
 /// Buildings that only hold parts and other types of object are no input features. Origin:
 /// `translate` if that is whole metres and no more than 100 km away, else the south-west corner of
 /// the vertices, rounded down. Domain: as stored, or empty (xmin > xmax) if there is none.
-/// `roofs`, if given, gets what is above each building, in the model's order and frame, also where
-/// it does not tile the ground: one roof per RoofSurface (of a geometry without semantics: per
-/// surface that is not vertical, so that the highest counts), none of LoD 0 to 1.2.
 /// `warnings`, if given, gets "city_objects_dropped", "city_types_unknown" where objects have types
 /// of an extension, "city_terrain_unread" where it has a TINRelief, and "city_roofs_flattened"
-/// where roofs of blocks reach more than half a metre above that height and `roofs` is not asked
+/// where roofs of blocks reach more than half a metre above that height and `details` are not asked
 /// for.
 ///
 /// Errors, kInput with the path and the place in it ("/CityObjects/a/geometry/0/boundaries"):
@@ -93,7 +102,6 @@ enum class BrokenObjects { kRefuse, kDrop };
 /// BrokenObjects::kDrop an object of another file that is one of these goes to `dropped`, with the
 /// place in its reason, and costs nothing else.
 CityModel read_city(const std::filesystem::path& path, std::vector<Warning>* warnings = nullptr,
-                    BrokenObjects broken = BrokenObjects::kRefuse,
-                    std::vector<std::vector<StatedRoof>>* roofs = nullptr);
+                    BrokenObjects broken = BrokenObjects::kRefuse, CityDetails* details = nullptr);
 
 }  // namespace tetropolis
