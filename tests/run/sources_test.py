@@ -486,6 +486,46 @@ def roof_planes(out):
     return {name: [at(p) for p in of] for name, of in planes.items()}
 
 
+def attributes_of(out):
+    with sqlite3.connect(out / "buildings.gpkg") as layers:
+        layers.row_factory = sqlite3.Row
+        return {r["source_id"]: r for r in layers.execute("SELECT * FROM footprints")}
+
+
+def citygml_attributes(out):
+    """Simple ones and generic ones; parts have those of their building."""
+    out.mkdir()
+
+    def box(x):
+        plan = [(x, 0), (x + 9, 0), (x + 9, 9), (x, 9)]
+        ring = lambda corners: " ".join(f"{a} {b} {c}" for a, b, c in corners + corners[:1])
+        faces = [[(*p, 100) for p in plan[::-1]], [(*p, 107) for p in plan]]
+        faces += [[(*p, 100), (*q, 100), (*q, 107), (*p, 107)] for p, q in zip(plan, plan[1:] + plan[:1])]
+        return ("<bldg:lod1Solid><gml:Solid><gml:exterior><gml:CompositeSurface>" + "".join(
+            f"<gml:surfaceMember><gml:Polygon><gml:exterior><gml:LinearRing><gml:posList>{ring(f)}</gml:posList></gml:LinearRing></gml:exterior>"
+            "</gml:Polygon></gml:surfaceMember>" for f in faces) + "</gml:CompositeSurface></gml:exterior></gml:Solid></bldg:lod1Solid>")
+
+    address = "<bldg:address><core:Address><xal:Street>Main</xal:Street></core:Address></bldg:address>"
+    (out / "city.gml").write_text(f"""<?xml version="1.0"?>
+<core:CityModel xmlns:core="http://www.opengis.net/citygml/2.0" xmlns:bldg="http://www.opengis.net/citygml/building/2.0"
+  xmlns:gen="http://www.opengis.net/citygml/generics/2.0" xmlns:gml="http://www.opengis.net/gml" xmlns:xal="urn:xal">
+<gml:boundedBy><gml:Envelope srsName="EPSG:25832"><gml:lowerCorner>0 0 0</gml:lowerCorner></gml:Envelope></gml:boundedBy>
+<core:cityObjectMember><bldg:Building gml:id="whole"><gml:name> Town hall </gml:name>
+  <gen:stringAttribute name="district"><gen:value>0123</gen:value></gen:stringAttribute>
+  <gen:doubleAttribute name="share"><gen:value>0.5</gen:value></gen:doubleAttribute>
+  <bldg:function>31001_9998</bldg:function><bldg:yearOfConstruction>1950</bldg:yearOfConstruction>
+  <bldg:consistsOfBuildingPart><bldg:BuildingPart gml:id="part"><bldg:function>7</bldg:function>{box(400000)}{address}
+  </bldg:BuildingPart></bldg:consistsOfBuildingPart>{address}</bldg:Building></core:cityObjectMember>
+<core:cityObjectMember><bldg:Building gml:id="other"><bldg:yearOfConstruction>1951</bldg:yearOfConstruction>{box(400040)}{address}
+</bldg:Building></core:cityObjectMember></core:CityModel>""")
+    run(out / "city", "--footprints", out / "city.gml", "--footprints-crs", "EPSG:25832")
+    rows = attributes_of(out / "city")
+    names = ("name", "district", "share", "function", "yearOfConstruction")
+    assert {key: tuple(r[n] for n in names) for key, r in rows.items()} == {
+        "part": ("Town hall", "0123", 0.5, 7, 1950), "other": (None, None, None, None, 1951)}, [tuple(r) for r in rows.values()]
+    assert not {"address", "Street", "value", "lod1Solid"} & set(rows["part"].keys()), rows["part"].keys()
+
+
 def models(_, out):
     """City models stand where they say, on any terrain and on none."""
     (out / "in").mkdir(parents=True)
@@ -525,9 +565,7 @@ def models(_, out):
         merged = City(out / f"raster-{lod}", "city.city.json").buildings["low"]
         near(merged["ground"] + merged["height"], 467), near(merged["ground"], 456)
     has_planes("raster-2.2")
-    with sqlite3.connect(out / "raster-2.2/buildings.gpkg") as layers:
-        layers.row_factory = sqlite3.Row
-        rows = {r["source_id"]: r for r in layers.execute("SELECT * FROM footprints")}
+    rows = attributes_of(out / "raster-2.2")
     assert "owner" not in rows["low"].keys() and rows["low"]["area"] is None and rows["alone"]["area"] == 240.5
     assert {key: (r["year"], r["roof"]) for key, r in rows.items()} == {"alone": (1900, "a"), "low": (1910, "l"), "high": (1920, "h"),
                                                                       "gable": (1930, "g"), "dormer": (2001, "a")}, list(map(tuple, rows.values()))
@@ -571,6 +609,7 @@ def models(_, out):
     run(out / "planned", "--planned", model, *raster)
     for key, height in City(out / "planned").heights().items():
         near(height, roof[key.split(":")[1].split("#")[0]] - bodies[key.split(":")[1].split("#")[0]][4])
+    citygml_attributes(out / "citygml")
     hilly(out / "hilly")
 
 

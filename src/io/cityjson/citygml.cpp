@@ -43,6 +43,8 @@ struct GmlObject {
   bool has_parts = false;
   double height = 0;   ///< measuredHeight; 0 if there is none.
   double storeys = 0;  ///< storeysAboveGround.
+  std::string parent;  ///< Id of the object that it is a part of.
+  Json attributes = Json::object();
   std::vector<GmlPolygon> polygons;
 };
 
@@ -103,17 +105,23 @@ class GmlReader : public XmlReader {
         srs = named;
     if (beside_ > 0 || is_beside(name)) {
       ++beside_;
+      is_leaf_ = wants_text_ = false;
       return;
     }
+    is_leaf_ = true;
     if (is_object(name)) {
       if (!open_.empty()) objects[open_.back()].has_parts = true;
+      std::string parent = open_.empty() ? "" : objects[open_.back()].id;
       open_.push_back(objects.size());
+      levels_.push_back(0);
       GmlObject& object = objects.emplace_back();
+      object.parent = std::move(parent);
       object.id = attribute(attributes, "id");
       object.is_part = name == "BuildingPart";
       return;
     }
     if (open_.empty()) return;
+    if (++levels_.back() == 1) generic_ = attribute(attributes, "name");
     if (name.size() > 4 && name.starts_with("lod") && name[3] >= '0' && name[3] <= '4') {
       lod_ = name[3] - '0';
       is_roof_edge_ = name == "lod0RoofEdge";
@@ -136,7 +144,7 @@ class GmlReader : public XmlReader {
     }
     if (const std::string_view given = attribute(attributes, "srsDimension"); !given.empty())
       dimension_ = given == "2" ? 2 : 3;
-    wants_text_ = (in_polygon_ && (name == "posList" || name == "pos")) ||
+    wants_text_ = (in_polygon_ && (name == "posList" || name == "pos")) || levels_.back() == 1 ||
                   name == "measuredHeight" || name == "storeysAboveGround" || name == "value";
     text_.clear();
   }
@@ -149,6 +157,7 @@ class GmlReader : public XmlReader {
     }
     if (open_.empty()) return;
     GmlObject& object = objects[open_.back()];
+    if (std::exchange(is_leaf_, false)) add_attribute(object, name);
     if (in_polygon_ && (name == "posList" || name == "pos")) {
       add_positions();
     } else if (name == "measuredHeight" || (name == "value" && in_height_)) {
@@ -165,12 +174,44 @@ class GmlReader : public XmlReader {
       semantics_.clear();
     } else if (is_object(name)) {
       open_.pop_back();
+      levels_.pop_back();
     }
+    if (!is_object(name)) --levels_.back();
     wants_text_ = false;
   }
 
   void text(std::string_view piece) override {
     if (wants_text_) text_.append(piece);
+  }
+
+  /// Of an element without others in it: one of the object's own, or the value of a generic one.
+  void add_attribute(GmlObject& object, std::string_view name) {
+    const bool is_generic = levels_.back() == 2 && name == "value" && !generic_.empty();
+    if (levels_.back() != 1 && !is_generic) return;
+    const std::size_t first = text_.find_first_not_of(" \t\r\n");
+    if (first == std::string::npos) return;
+    const std::size_t last = text_.find_last_not_of(" \t\r\n");
+    object.attributes.emplace(is_generic ? generic_ : std::string(name),
+                              value_of(std::string_view(text_).substr(first, last - first + 1)));
+  }
+
+  /// A number, unless it begins with zeros as codes do.
+  static Json value_of(std::string_view text) {
+    const char* const end = text.data() + text.size();
+    const std::string_view digits = text.substr(text.starts_with('-') ? 1 : 0);
+    const auto is_digit = [&](std::size_t i) {
+      return i < digits.size() && digits[i] >= '0' && digits[i] <= '9';
+    };
+    const auto is_whole = [&](const std::from_chars_result& result) {
+      return result.ec == std::errc{} && result.ptr == end;
+    };
+    std::int64_t integer = 0;
+    double real = 0;
+    if (is_digit(0) && !(digits[0] == '0' && is_digit(1))) {
+      if (is_whole(std::from_chars(text.data(), end, integer))) return integer;
+      if (is_whole(std::from_chars(text.data(), end, real, std::chars_format::fixed))) return real;
+    }
+    return std::string(text);
   }
 
   static bool has_footprint(const GmlObject& object) {
@@ -210,6 +251,7 @@ class GmlReader : public XmlReader {
 
   const fs::path& path_;
   std::vector<std::size_t> open_;  ///< Buildings and parts around the place, the innermost last.
+  std::vector<int> levels_;        ///< How many elements are open in each of these.
   int beside_ = 0;                 ///< Depth within something to pass over.
   int lod_ = 0;
   int dimension_ = 3;
@@ -217,6 +259,8 @@ class GmlReader : public XmlReader {
   bool in_polygon_ = false;
   bool in_height_ = false;
   bool wants_text_ = false;
+  bool is_leaf_ = false;  ///< Nothing has begun or ended in the element that began last.
+  std::string generic_;   ///< Name of the attribute around, if it is a generic one.
   std::string semantics_;
   std::string text_;
   GmlPolygon polygon_;
@@ -432,7 +476,8 @@ ModelDocument read_citygml(const fs::path& path) {
     Json json{{"type", object.is_part ? "BuildingPart" : "Building"},
               {"geometry", geometries_of(object, writer, is_without_height)}};
     if (is_without_height) document.without_height.push_back(key);
-    if (object.is_part) json["parents"] = {""};
+    if (!object.attributes.empty()) json["attributes"] = object.attributes;
+    if (object.is_part) json["parents"] = {object.parent};
     if (object.has_parts) json["children"] = {""};
     list[key] = std::move(json);
     document.keys.push_back(std::move(key));
