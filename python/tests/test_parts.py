@@ -82,7 +82,7 @@ def test_roofs_of_a_model_survive_the_merge(houses, tmp_path):
     for city in apart, row:
         parts = city.parts.groupby("source_id")
         assert np.allclose(city.parts["slope"], np.degrees(np.arctan(0.5)), atol=1)
-        for name, ridge in ("east", 8), ("west", 11):  # above the ground, which is level at 0 now
+        for name, ridge in ("east", 28), ("west", 31):
             part = parts.get_group(name)
             assert len(part) == 2 and np.isclose(part["area"].sum(), 96, atol=1)
             assert np.allclose(part["h_max"], ridge, atol=0.1) and np.allclose(part["h_min"], ridge - 2, atol=0.1)

@@ -318,7 +318,9 @@ RunInput read_without_points(const Config& config, Next next, StepClock& clock,
       return read_terrain(config, rasters, crs, box, origin, warnings);
     });
   else if (rasters.surface.empty())
-    input.terrain = ground_without_rasters(config, input.footprints, crs, box, origin, warnings);
+    input.terrain = clock.run("1.3", "ground without rasters", [&](const Progress&) {
+      return ground_without_rasters(config, input.footprints, crs, box, origin, warnings);
+    });
   if (!box.empty())
     require_fits(config, input.footprints, static_cast<double>(input.points.points.size()), box,
                  next);
