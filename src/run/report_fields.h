@@ -76,7 +76,8 @@ void fields_of(Preflight& preflight, const Field& field) {
 
 template <typename Field>
 void fields_of(InputFacts& input, const Field& field) {
-  field("ground", input.ground, "text", "what the terrain is made of: `points`, `raster`, `bases` (of a city model), `level`");
+  field("ground", input.ground, "text",
+        "what the terrain is made of: `points`, `raster`, `bases` (of a city model), `level`");
   field("roofs", input.roofs, "text", "the same of roofs: `points`, `raster`, `attributes`");
   field("point_files", input.point_files, "integer", "point files given; 0 in `synth`");
   field("point_files_skipped", input.point_files_skipped, "integer",

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tetropolis/io/vector/vector.h"
+#include "tetropolis/city/attribute_column.h"
 
 #include "io/file/json_place.h"
 

@@ -12,6 +12,7 @@
 #include <memory>
 #include <random>
 #include <set>
+#include <variant>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

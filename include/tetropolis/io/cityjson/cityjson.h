@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "tetropolis/city/attribute_column.h"
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/city/stated_roof.h"
 #include "tetropolis/core/warning.h"
-#include "tetropolis/io/vector/vector.h"
 
 namespace tetropolis {
 

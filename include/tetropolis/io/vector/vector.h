@@ -6,9 +6,9 @@
 #include <limits>
 #include <span>
 #include <string>
-#include <variant>
 #include <vector>
 
+#include "tetropolis/city/attribute_column.h"
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/city/stated_roof.h"
 #include "tetropolis/core/warning.h"
@@ -40,24 +40,6 @@ struct ReadFootprintsOptions {
   std::string within_crs = {};  ///< Of `within`; empty: that of the file, if it is in metres.
   bool own_crs_first = false;   ///< `within_crs` is for files that are not in metres, nor in feet.
   bool attributes = false;      ///< Keep all attributes of the features.
-};
-
-enum class AttributeType : std::uint8_t {
-  kInteger,
-  kBoolean,  ///< Integers 0 and 1.
-  kReal,
-  kText,
-  kDate,      ///< Text: "2019-03-05".
-  kDateTime,  ///< Text: "2019-03-05T12:30:00.000", then "Z", an offset like "+01:00", or nothing.
-};
-
-/// One attribute of all features: a value per feature in their order, of the kind that `type` says.
-struct AttributeColumn {
-  std::string name;  ///< As in the file, UTF-8; may be empty or the same as another.
-  AttributeType type = AttributeType::kText;
-  std::variant<std::vector<std::int64_t>, std::vector<double>, std::vector<std::string>> values =
-      {};
-  std::vector<bool> known = {};  ///< False where the feature has none.
 };
 
 /// One polygon of the input.
