@@ -49,10 +49,11 @@ void match_to_terrain(const Raster& terrain, const Domain& domain, FootprintsInp
     feature.base = std::numeric_limits<double>::quiet_NaN();
   warnings.push_back(
       {"model_off_terrain", count,
-       fmt::format("{}: buildings stand {:.1f} m {} the terrain (median), and are moved onto it: "
-                   "their heights count, and their elevations do not; are these of another "
-                   "vertical system?",
-                   footprints.source, std::abs(off), off > 0 ? "above" : "below")});
+       fmt::format(
+           "{}: {} buildings stand {:.1f} m {} the terrain (median), and are moved onto it: "
+           "their heights count, and their elevations do not; are these of another "
+           "vertical system?",
+           footprints.source, count, std::abs(off), off > 0 ? "above" : "below")});
 }
 
 }  // namespace tetropolis
