@@ -57,15 +57,16 @@ constexpr const char* kSurfaces = "constant/triSurface/";
 constexpr const char* kFvOptions = "constant/fvOptions";
 constexpr const char* kFvModels = "constant/fvModels";
 
+bool is_number(std::string_view word) {
+  return !word.empty() && word.find_first_not_of("0123456789.") == word.npos;
+}
+
 /// What an earlier case has solved: a solver would go on from there.
 void remove_solution(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> solved;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
-    const auto is_number = [](std::string_view word) {
-      return !word.empty() && word.find_first_not_of("0123456789.") == word.npos;
-    };
     const bool is_time = is_number(name) && name != "0" && fs::exists(entry.path() / "U", error);
     const bool is_part = name.starts_with("processor") && is_number(name.substr(9));
     constexpr std::array kOthers = {"postProcessing",   "log.simpleFoam",     "log.foamRun",
@@ -100,11 +101,8 @@ void remove_case(const fs::path& folder, const std::vector<CaseFile>& files) {
   remove_solution(folder);
   std::error_code error;
   for (const auto& [name, text] : files) fs::remove(folder / name, error);
-  if (const fs::path mesh = folder / "constant/polyMesh"; fs::is_symlink(mesh, error))
-    fs::remove(mesh, error);
   for (const char* made : {"0", "constant/triSurface", "constant", "system"})
     fs::remove(folder / made, error);  // unless there is something in it
-  fs::remove(folder, error);
 }
 
 /// What an earlier case has solved, and the cases that it has besides `winds`: all of them folders,
@@ -113,13 +111,21 @@ void remove_earlier_case(const fs::path& folder, const std::set<std::string>& wi
                          const std::vector<CaseFile>& files) {
   std::error_code error;
   std::vector<fs::path> earlier;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
-    if (fs::is_symlink(entry.path() / "constant/polyMesh", error)) earlier.push_back(entry.path());
-  for (const fs::path& wind : earlier)
-    if (winds.contains(wind.filename().string()))
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with('w') && is_number(name.substr(1)) &&
+        fs::is_symlink(entry.path() / "constant/polyMesh", error))
+      earlier.push_back(entry.path());
+  }
+  for (const fs::path& wind : earlier) {
+    if (winds.contains(wind.filename().string())) {
       remove_solution(wind);
-    else
-      remove_case(wind, files);
+      continue;
+    }
+    fs::remove(wind / "constant/polyMesh", error);
+    remove_case(wind, files);
+    fs::remove(wind, error);
+  }
   if (winds.empty())
     remove_solution(folder);
   else

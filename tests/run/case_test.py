@@ -355,13 +355,17 @@ def check_rose(program, folder):
         assert left == {"0", "constant", "system", "Allrun"} | ({"3000"} if wind == "w030" else set()), left
     done = subprocess.run([sys.executable, moved / "rose.py"], capture_output=True, text=True)
     assert done.returncode != 0 and "no wind is solved yet" in done.stderr, done
-    # One wind in place of several, and back: what is somebody else's stays.
+    # One wind in place of several, and back: what is somebody else's stays, be it a mesh that is a link.
+    (moved / "constant/polyMesh").rename(folder / "mesh")
+    (moved / "constant/polyMesh").symlink_to(folder / "mesh")
+    shutil.copytree(moved / "w030", moved / "w030_finer", symlinks=True)
     run(program, "case", "openfoam", moved, *CASE, "--overwrite")
     assert not any((moved / name).exists() for name in ("w240", "w337.5", "rose.py", "rose.csv")), list(moved.iterdir())
     assert [path.name for path in (moved / "w030").iterdir()] == ["3000"] and (moved / "0/U").exists()
     run(program, "case", "openfoam", moved, *several, "--overwrite")
     assert not (moved / "0").exists() and not (moved / "system/controlDict").exists() and (moved / "w240/0/U").exists()
     assert (moved / "system/pedestrian").exists() and (moved / "constant/polyMesh/points").exists()
+    assert (moved / "w030_finer/0/U").exists()
 
 
 def samples(case):
