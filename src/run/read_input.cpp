@@ -317,13 +317,13 @@ RunInput read_without_points(const Config& config, Next next, StepClock& clock,
     input.terrain = clock.run("1.1", "read terrain", [&](const Progress&) {
       return read_terrain(config, rasters, crs, box, origin, warnings);
     });
-  else if (rasters.surface.empty())
-    input.terrain = clock.run("1.3", "ground without rasters", [&](const Progress&) {
-      return ground_without_rasters(config, input.footprints, crs, box, origin, warnings);
-    });
   if (!box.empty())
     require_fits(config, input.footprints, static_cast<double>(input.points.points.size()), box,
                  next);
+  if (rasters.terrain.empty() && rasters.surface.empty())
+    input.terrain = clock.run("1.3", "ground without rasters", [&](const Progress&) {
+      return ground_without_rasters(config, input.footprints, crs, box, origin, warnings);
+    });
   if (input.points.points.size() == 0 && input.terrain)
     input.points.extent =
         box.empty() ? input.terrain->raster.bounds() : box.moved({-origin.x, -origin.y});
