@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/infinity.h"
+#include "core/units.h"
 
 namespace tetropolis {
 
 namespace {
-
-constexpr double kRadians = std::numbers::pi / 180;
 
 struct Range {
   double low = kInfinity;
@@ -47,7 +45,7 @@ void fit_perspective(Camera& camera, std::span<const Vec3> points, double tan_x,
 }  // namespace
 
 Camera looking(double azimuth, double elevation) {
-  const double a = azimuth * kRadians, e = elevation * kRadians;
+  const double a = to_radians(azimuth), e = to_radians(elevation);
   const Vec3 ahead{std::sin(a), std::cos(a), 0}, zenith{0, 0, 1};
   Camera camera;
   camera.right = {std::cos(a), -std::sin(a), 0};
@@ -63,7 +61,7 @@ void fit(Camera& camera, std::span<const Vec3> points, double width, double heig
   camera.is_perspective = field > 0;
   const double used = 1 - 2 * margin;
   if (field > 0) {
-    const double tangent = std::tan(field / 2 * kRadians);
+    const double tangent = std::tan(to_radians(field / 2));
     camera.scale = height / 2 / tangent;
     fit_perspective(camera, points, used * tangent * width / height, used * tangent);
     return;

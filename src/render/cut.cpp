@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <optional>
 
 #include "core/parallel.h"
+#include "core/units.h"
 
 namespace tetropolis {
 
@@ -88,7 +88,7 @@ std::vector<CutCell> cut_some(const TetMesh& mesh, const CutPlane& plane,
 }  // namespace
 
 CutPlane plane_along(double azimuth, Vec3 through) {
-  const double a = azimuth * (std::numbers::pi / 180);
+  const double a = to_radians(azimuth);
   // Exact along the axes.
   const auto direction = [](double s) { return std::abs(s) < 1e-12 ? 0.0 : s; };
   const double x = direction(std::sin(a)), y = direction(std::cos(a));

@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/parallel.h"
+#include "core/units.h"
 
 namespace tetropolis {
 
 namespace {
-
-constexpr double kRadians = std::numbers::pi / 180;
 
 /// Directions that are spread evenly: turned by the golden angle from one to the next.
 constexpr double kGoldenAngle = 2.39996322972865332;
@@ -76,8 +74,8 @@ void add_light(const FarLight& light, const Camera& camera, const VisibleMap& ma
 
 std::vector<FarLight> sun_lights(double azimuth, double elevation) {
   constexpr int kCount = 12;
-  constexpr double kRadius = 1.1 * kRadians;  // four times the sun's: a softer edge
-  const double a = azimuth * kRadians, e = elevation * kRadians;
+  constexpr double kRadius = to_radians(1.1);  // four times the sun's: a softer edge
+  const double a = to_radians(azimuth), e = to_radians(elevation);
   const Vec3 sun{std::cos(e) * std::sin(a), std::cos(e) * std::cos(a), std::sin(e)};
   const Vec3 right{std::cos(a), -std::sin(a), 0}, up = cross(right, sun);
   std::vector<FarLight> lights;

@@ -4,13 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <span>
 #include <vector>
 
 #include "tetropolis/core/error.h"
 
 #include "core/infinity.h"
+#include "core/units.h"
 #include "draw.h"
 
 namespace tetropolis {
@@ -195,7 +195,7 @@ double least_upright_dihedral(const TetMesh& mesh, std::size_t wedge) {
     const Vec3 a = normalised(p(1) - p(0)), b = normalised(p(2) - p(0));
     least = std::min(least, std::acos(std::clamp(dot(a, b), -1.0, 1.0)));
   }
-  return least * (180 / std::numbers::pi);
+  return to_degrees(least);
 }
 
 /// Degrees; 0 of flat cells.
@@ -216,7 +216,7 @@ double least_dihedral(const TetMesh& mesh, std::int64_t cell) {
   for (std::size_t i = 0; i < 4; ++i)
     for (std::size_t j = i + 1; j < 4; ++j)
       least = std::min(least, std::acos(std::clamp(-dot(normals[i], normals[j]), -1.0, 1.0)));
-  return least * (180 / std::numbers::pi);
+  return to_degrees(least);
 }
 
 Rgb cell_colour(const TetMesh& mesh, std::int64_t cell, PictureColour colour) {
@@ -342,7 +342,7 @@ Canvas paint_section(const RenderInput& input, const SectionWindow& window, Pict
   };
   const Scene city = city_scene(input.surface, colour, false);
   PaintOptions lit;
-  const double forward = std::atan2(plane.behind.x, plane.behind.y) * (180 / std::numbers::pi);
+  const double forward = to_degrees(std::atan2(plane.behind.x, plane.behind.y));
   lit.sun_azimuth = forward + 180 + 50;
   lit.haze = 0.5 / (window.top - window.bottom);
   lit.air = linear(0xEDF3F7);
