@@ -11,6 +11,7 @@ namespace tetropolis {
 
 namespace {
 
+constexpr double kSunElevation = 42;              ///< Degrees.
 constexpr std::size_t kMostSamples = 60'000'000;  ///< Some half a gigabyte.
 
 /// What one face, or faces in one plane, cover of a pixel.
@@ -153,8 +154,8 @@ class Painter {
     // About as fine as the picture.
     const int sun_map = std::clamp(std::max(width_, height_) * 5 / 4, 512, 4096);
     const int sky_map = std::clamp(sun_map / 2, 256, 1024);
-    illuminate(scene_.points, scene_.triangles,
-               sun_lights(options_.sun_azimuth, options_.sun_elevation), sun_map, lit.sun);
+    illuminate(scene_.points, scene_.triangles, sun_lights(options_.sun_azimuth, kSunElevation),
+               sun_map, lit.sun);
     illuminate(scene_.points, scene_.triangles, sky_lights(), sky_map, lit.sky);
     return lit;
   }

@@ -27,9 +27,8 @@ struct Canvas {
 struct PaintOptions {
   bool is_lit = true;        ///< By sun and sky, and creases are drawn; else colours as they are.
   double sun_azimuth = 315;  ///< Where it stands, compass degrees.
-  double sun_elevation = 42;
-  double haze = 0;              ///< Share of light lost per metre of depth, of what is left;
-  Rgb air = {1, 1, 1};          ///< and the colour that takes its place.
+  double haze = 0;           ///< Share of light lost per metre of depth, of what is left;
+  Rgb air = {1, 1, 1};       ///< and the colour that takes its place.
   Rgb edge = linear(0x3A3F45);  ///< Colour of edges,
   float edge_strength = 0.5F;   ///< and how much of it there is.
 };

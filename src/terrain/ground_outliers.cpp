@@ -29,7 +29,10 @@ namespace {
 
 using PointNumber = std::uint32_t;
 
+constexpr std::array<std::uint8_t, 2> kGroundClasses{2, 9};    // classes
 constexpr std::array<double, 5> kCells{4, 16, 64, 256, 1024};  // metres
+constexpr double kHeight = 3.0;            // metres above or below the surroundings
+constexpr double kSpreads = 6.0;           // times the median deviation there
 constexpr std::size_t kEnough = 9;         // points in a neighbourhood that can be judged
 constexpr double kLevel = 1.0;             // metres between points that support each other
 constexpr std::size_t kLonely = 3;         // squares with support, at most, where points are dense
@@ -231,22 +234,22 @@ PointsOfCells points_for(const std::vector<Task>& tasks, const Grid& grid,
 class Judge {
  public:
   Judge(const PointCloud& cloud, const Grid& grid, const PointsOfCells& cells,
-        const GroundOutlierOptions& options, const std::vector<std::uint8_t>& is_open)
-      : cloud_(cloud), grid_(grid), cells_(cells), options_(options), is_open_(is_open) {}
+        const std::vector<std::uint8_t>& is_open)
+      : cloud_(cloud), grid_(grid), cells_(cells), is_open_(is_open) {}
 
   /// Adds the outliers of cell (i, j).
   void find(std::int64_t i, std::int64_t j, std::vector<PointNumber>& outliers) {
     heights_.clear();
     for_each_near(i, j, [&](PointNumber p) { heights_.push_back(cloud_.z[p]); });
     const double middle = median(heights_);
-    double most = options_.height;
+    double most = kHeight;
     const auto is_far = [&](PointNumber p) {
       return is_open_[p] != 0 && std::abs(cloud_.z[p] - middle) > most;
     };
     const std::span<const PointNumber> own = cells_[grid_.cell(i, j)];
     if (std::none_of(own.begin(), own.end(), is_far)) return;
     for (double& z : heights_) z = std::abs(z - middle);
-    most = std::max(most, options_.spreads * median(heights_));
+    most = std::max(most, kSpreads * median(heights_));
     if (std::none_of(own.begin(), own.end(), is_far)) return;
     find_alone(i, j);
     for (const PointNumber p : own)
@@ -315,7 +318,6 @@ class Judge {
   const PointCloud& cloud_;
   const Grid& grid_;
   const PointsOfCells& cells_;
-  const GroundOutlierOptions& options_;
   const std::vector<std::uint8_t>& is_open_;
   std::vector<double> heights_;
   std::vector<Neighbour> neighbours_;  ///< By height.
@@ -327,13 +329,13 @@ class Judge {
 }  // namespace
 
 std::vector<std::uint32_t> find_ground_outliers(const PointCloud& cloud,
-                                                const GroundOutlierOptions& options,
+                                                std::optional<Point2> anchor,
                                                 const Progress& progress) {
   if (cloud.size() > std::numeric_limits<PointNumber>::max())
     throw Error(
         ErrorKind::kInput,
         fmt::format("{} points are more than can be numbered; give smaller bounds", cloud.size()));
-  const ClassTable classes = class_table(options.classes);
+  const ClassTable classes = class_table(kGroundClasses);
   const Bounds2 box = box_of(cloud, classes);
   std::vector<std::uint8_t> is_open(cloud.size(), 0);
   for_each_of(classes, cloud, [&](PointNumber p) { is_open[p] = 1; });
@@ -345,16 +347,16 @@ std::vector<std::uint32_t> find_ground_outliers(const PointCloud& cloud,
     const auto number = static_cast<double>(level);
     const Progress at_level = portion(progress, number / kLevels, (number + 1) / kLevels);
     at_level.update(0);
-    const Grid grid(box, kCells[level], options.anchor);
+    const Grid grid(box, kCells[level], anchor);
     grid.find_cells(cloud, cell_of);
     const std::vector<Task> tasks =
-        tasks_of(grid, heights_of(grid, cell_of, cloud, classes, is_open), options.height);
+        tasks_of(grid, heights_of(grid, cell_of, cloud, classes, is_open), kHeight);
     const PointsOfCells cells = points_for(tasks, grid, cell_of, cloud, classes);
     const auto rows = static_cast<std::size_t>(grid.rows());
     std::vector<Findings> chunks((rows + kRowGrain - 1) / kRowGrain);
     SharedProgress shared(at_level, grid.rows());
     parallel_chunks(rows, kRowGrain, [&](std::size_t begin, std::size_t end) {
-      Judge judge(cloud, grid, cells, options, is_open);
+      Judge judge(cloud, grid, cells, is_open);
       Findings& found = chunks[begin / kRowGrain];
       for (auto j = static_cast<std::int64_t>(begin); j < static_cast<std::int64_t>(end); ++j)
         for (std::int64_t i = 0; i < grid.columns(); ++i) {

@@ -12,20 +12,14 @@
 
 namespace tetropolis {
 
-struct GroundOutlierOptions {
-  std::vector<std::uint8_t> classes{2, 9};  ///< Classes that count as ground.
-  double height = 3.0;             ///< Metres above or below the surroundings from which on, > 0.
-  double spreads = 6.0;            ///< And how many times the median deviation there, >= 0.
-  std::optional<Point2> anchor{};  ///< A corner of the cells, local frame; without one, that of the
-                                   ///< box around the ground points.
-};
-
-/// Indices of single ground points far above or below their neighbourhood, ascending.
+/// Indices of single ground points (classes 2 and 9) far above or below their neighbourhood,
+/// ascending. `anchor`: a corner of the cells, local frame; without one, that of the box around the
+/// ground points.
 ///
 /// The neighbourhood of a point are the ground points in its cell of 4 m and the 8 around it; if
 /// these hold fewer than 9, cells of 16, 64, 256, 1024 m. A point is an outlier if all hold:
-/// - it is further than `height` and than `spreads` median absolute deviations from the median
-///   height there (Hampel, "The influence curve and its role in robust estimation", 1974);
+/// - it is further than 3 m and than 6 median absolute deviations from the median height there
+/// (Hampel, "The influence curve and its role in robust estimation", 1974);
 /// - it is alone: points at most 1 m higher or lower, itself included, occupy at most 3 of the
 ///   144 squares, a quarter of the cell wide, that the neighbourhood consists of; only one, if
 ///   there are fewer points than squares;
@@ -43,11 +37,11 @@ struct GroundOutlierOptions {
 /// the few neighbourhoods in which something is far from the median; each coarser size of cells
 /// that is needed is a few passes more. Memory: 5 bytes per point and 18 per cell (as many as the
 /// extent holds, at most 2^26: cells grow where there would be more); 4 per ground point where the
-/// ground around rises or falls by more than `height`; and, per thread, up to 50 for each point of
+/// ground around rises or falls by more than 3 m; and, per thread, up to 50 for each point of
 /// a neighbourhood, which around points that lie far apart from all others may be most of the
 /// cloud. Throws Error(kInput) for 2^32 points or more, and Cancelled.
 std::vector<std::uint32_t> find_ground_outliers(const PointCloud& cloud,
-                                                const GroundOutlierOptions& options = {},
+                                                std::optional<Point2> anchor = {},
                                                 const Progress& progress = {});
 
 }  // namespace tetropolis

@@ -101,13 +101,12 @@ TEST(GroundOutliers, WithAnAnchorDoNotDependOnFarPoints) {
   std::mt19937 random(test_seed());
   std::uniform_real_distribution<double> along(1, 59), z(-30, 40);
   for (int k = 0; k < 80; ++k) add(cloud, along(random), along(random), z(random));
-  GroundOutlierOptions options;
-  options.anchor = Point2{101.3, -40.7};
-  const Numbers alone = find_ground_outliers(cloud, options);
+  const Point2 anchor{101.3, -40.7};
+  const Numbers alone = find_ground_outliers(cloud, anchor);
   EXPECT_EQ(alone, by_definition(cloud, 101.3 - 4 * 40, -40.7 - 4 * 5));
   const auto n = static_cast<std::uint32_t>(cloud.size());
   for (int k = 0; k < 100; ++k) add(cloud, -333.7 - k, -771.9, 100);
-  Numbers beside = find_ground_outliers(cloud, options);
+  Numbers beside = find_ground_outliers(cloud, anchor);
   std::erase_if(beside, [&](std::uint32_t p) { return p >= n; });
   EXPECT_EQ(beside, alone);
 }

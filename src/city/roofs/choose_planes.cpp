@@ -60,7 +60,7 @@ class MemberLabels {
         const CellNumber n = cells.neighbours[index(c)][e];
         if (n < 0 || cells.member[index(n)] != member) continue;
         sides.neighbour[e] = place[index(n)];
-        sides.border[e] = cost_of(options.border_cost * cells.edge_length(c, e));
+        sides.border[e] = cost_of(kBorderCost * cells.edge_length(c, e));
       }
     }
   }
@@ -111,7 +111,7 @@ class MemberLabels {
         }
         double sum = 0;
         for (const std::uint32_t p : cells_.points[index(own_[i])])
-          sum += std::min(std::abs(height_above(planes_[k], points_[p])) / options_.cap, 1.0);
+          sum += std::min(std::abs(height_above(planes_[k], points_[p])) / kPointCap, 1.0);
         const double z = planes_[k](centre);
         const bool beyond = z > highest_ + kBeyond || z < lowest_ - kBeyond;
         cost = cost_of(sum / density_ + (beyond ? size : 0));

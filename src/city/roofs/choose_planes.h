@@ -19,12 +19,10 @@ struct LabelOptions {
   double percentile = 70;      ///< Of the points of a flat roof.
   double fallback_height = 0;  ///< Of members with fewer than four points, elevation.
   double min_area = 2;         ///< Square metres: no region is smaller, unless its member is.
-  double step = 1;             ///< Metres: LoD1.3 tells heights that differ by that apart.
-  double border_cost = 0.2;    ///< Square metres per metre of border.
-  double cap = 1;              ///< Metres: points further off all count alike.
-  double join_cost = 0.05;  ///< m^3: squared misfit times area that joining regions may cost, per
-                            ///< metre of border that it takes away.
 };
+
+inline constexpr double kBorderCost = 0.2;  ///< Square metres per metre of border.
+inline constexpr double kPointCap = 1;      ///< Metres: points further off all count alike.
 
 /// What the cells of a member chose.
 struct MemberPlanes {

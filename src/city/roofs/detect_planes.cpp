@@ -19,6 +19,10 @@ namespace {
 
 using PointNumber = std::uint32_t;
 
+constexpr double kReach = 0.25;    ///< Metres off a plane, square to it, for a point to be on it.
+constexpr double kMinArea = 2;     ///< Square metres: planes with fewer points than that has: none.
+constexpr double kFlatness = 0.2;  ///< Metres: rms of a seed and its neighbours off their plane.
+
 /// Per point: those it has an edge to, and those at the same place; ascending.
 RaggedArray<PointNumber> neighbours_of(std::span<const Point3> points) {
   PlanarGraph graph;
@@ -57,11 +61,10 @@ double cosine(const RoofPlane& plane) {
 
 class Detection {
  public:
-  Detection(std::span<const Point3> points, double density, const DetectPlanesOptions& options)
+  Detection(std::span<const Point3> points, double density)
       : points_(points),
-        options_(options),
         neighbours_(neighbours_of(points)),
-        need_(std::max(5.0, options.min_area * density)),
+        need_(std::max(5.0, kMinArea * density)),
         taken_(points.size(), 0),
         seen_(points.size(), 0) {
     find_seeds();
@@ -76,7 +79,7 @@ class Detection {
  private:
   Point2 at(PointNumber i) const { return {points_[i][0], points_[i][1]}; }
   bool is_on(const RoofPlane& plane, PointNumber i) const {
-    return std::abs(height_above(plane, points_[i])) * cosine(plane) <= options_.reach;
+    return std::abs(height_above(plane, points_[i])) * cosine(plane) <= kReach;
   }
 
   void find_seeds() {
@@ -91,7 +94,7 @@ class Detection {
       local_[i] = fit.plane();
       if (slope_of(local_[i]) > kMaxRoofSlope) continue;
       roughness[i] = std::sqrt(fit.sum_of_squares() / fit.count()) * cosine(local_[i]);
-      if (roughness[i] <= options_.flatness) seeds_.push_back(i);
+      if (roughness[i] <= kFlatness) seeds_.push_back(i);
     }
     std::stable_sort(seeds_.begin(), seeds_.end(),
                      [&](PointNumber a, PointNumber b) { return roughness[a] < roughness[b]; });
@@ -143,7 +146,6 @@ class Detection {
   }
 
   std::span<const Point3> points_;
-  const DetectPlanesOptions& options_;
   RaggedArray<PointNumber> neighbours_;
   double need_;
   std::vector<std::uint8_t> taken_;
@@ -156,10 +158,9 @@ class Detection {
 
 }  // namespace
 
-std::vector<DetectedPlane> detect_planes(std::span<const Point3> points, double density,
-                                         const DetectPlanesOptions& options) {
+std::vector<DetectedPlane> detect_planes(std::span<const Point3> points, double density) {
   if (points.size() < 4) return {};
-  return Detection(points, density, options).run();
+  return Detection(points, density).run();
 }
 
 }  // namespace tetropolis

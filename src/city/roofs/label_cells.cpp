@@ -18,6 +18,10 @@ namespace tetropolis {
 
 namespace {
 
+constexpr double kStep = 1;  ///< Metres: LoD1.3 tells heights that differ by that apart.
+/// m^3: squared misfit times area that joining regions may cost, per metre of border that goes.
+constexpr double kJoinCost = 0.05;
+
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 RoofPlane flat_roof(Point2 at, double elevation) { return {at, elevation, 0, 0}; }
@@ -79,7 +83,7 @@ class Joining {
   double misfit(const RoofPlane& plane, RoofRegion r) const {
     double sum = 0;
     for (const std::uint32_t p : points_[index(r)])
-      sum += std::min(std::abs(height_above(plane, input_.points.values[p])), options_.cap);
+      sum += std::min(std::abs(height_above(plane, input_.points.values[p])), kPointCap);
     return sum;
   }
 
@@ -121,7 +125,7 @@ class Joining {
     if (options_.lod == Lod::k1_3) {
       if (roof(a).member != roof(b).member) return kNever;
       const double step = std::abs(roof(a).plane.elevation - roof(b).plane.elevation);
-      return step < options_.step ? step : kNever;
+      return step < kStep ? step : kNever;
     }
     if (options_.lod != Lod::k2_2 || roof(a).lod != Lod::k2_2 || roof(b).lod != Lod::k2_2)
       return kNever;
@@ -134,7 +138,7 @@ class Joining {
         (both.sum_of_squares() - first.sum_of_squares() - second.sum_of_squares()) /
         std::max(input_.density(index(roof(a).member)), input_.density(index(roof(b).member)));
     const double rate = worse / border;
-    return rate < options_.join_cost ? rate : kNever;
+    return rate < kJoinCost ? rate : kNever;
   }
 
   void queue_pairs(RoofRegion r) {
@@ -176,7 +180,7 @@ class Joining {
       for (const auto& [other, border] : borders_[index(least)]) {
         const double c =
             misfit(roof(other).plane, least) / input_.density(index(roof(least).member)) -
-            options_.border_cost * border;
+            kBorderCost * border;
         if (c < best_cost) best_cost = c, best = other;
       }
       join(best, least, roof(best));

@@ -26,7 +26,7 @@ struct RoofRegions {
 
 /// LoD1.2: one region per member and connected piece. LoD2.2: one per connected piece of a plane's
 /// cells, of which those are joined that cost little. LoD1.3: what of these regions differs by less
-/// than a step is one. A member whose points are more than 5 % further from these roofs than from
+/// than a metre is one. A member whose points are more than 5 % further from these roofs than from
 /// one flat roof (root mean squares) has that one. `chosen`: per member, by choose_planes().
 RoofRegions label_cells(const RoofInput& input, const RoofCells& cells,
                         std::span<const MemberPlanes> chosen, const LabelOptions& options);

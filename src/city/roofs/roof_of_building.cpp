@@ -49,9 +49,7 @@ FinishedRoof roof_of_building(const RoofInput& input, const RoofFindings& found,
   LabelOptions label = label_options(options);
   label.fallback_height = fallback_height;
   const RoofRegions regions = label_cells(input, cells, found.planes, label);
-  TraceOptions trace;
-  trace.reach = options.clearance;
-  Partition lines = trace_lines(input.footprint, cells, regions, trace);
+  Partition lines = trace_lines(input.footprint, cells, regions, options.clearance);
   RegionPoints points = region_points(input, cells, regions, options.percentile, kCap);
   ClearLinesOptions clear;
   clear.clearance = options.clearance + kForSnap;

@@ -23,6 +23,9 @@ using NodeId = Partition::NodeId;
 using EdgeId = Partition::EdgeId;
 constexpr std::size_t kNone = Partition::kNone;
 
+constexpr double kTolerance = 0.5;  ///< Metres that a line may leave the border of the cells.
+constexpr double kSnap = 0.75;      ///< Metres: borders so near to where two planes meet run there.
+
 /// A line through `at` in the direction of the unit vector `along`.
 struct Line {
   Point2 at, along;
@@ -104,11 +107,8 @@ std::vector<std::size_t> douglas_peucker(std::span<const Point2> p, double toler
 class Tracing {
  public:
   Tracing(const Polygon& footprint, const RoofCells& cells, const RoofRegions& regions,
-          const TraceOptions& options)
-      : cells_(cells),
-        regions_(regions),
-        options_(options),
-        lines_(bounds(footprint).grown(1), options.reach) {
+          double reach)
+      : cells_(cells), regions_(regions), lines_(bounds(footprint).grown(1), reach) {
     const auto add = [&](const Ring& ring) {
       for (const Point2 p : ring) corners_.insert({p.x, p.y});
     };
@@ -204,15 +204,14 @@ class Tracing {
       return regions_.roofs[static_cast<std::size_t>(r)].plane;
     };
     const std::optional<Line> ridge = ridge_of(roof(edge.left), roof(edge.right), p[0]);
-    chain.kept = douglas_peucker(p, options_.tolerance);
+    chain.kept = douglas_peucker(p, kTolerance);
     if (ridge && !closed) {
       double most = 0, sum = 0;
       for (const Point2 q : p) {
         most = std::max(most, std::abs(ridge->offset(q)));
         sum += std::abs(ridge->offset(q));
       }
-      if (most < 2 * options_.snap && sum < options_.snap * static_cast<double>(p.size()))
-        chain.kept = {0, last};
+      if (most < 2 * kSnap && sum < kSnap * static_cast<double>(p.size())) chain.kept = {0, last};
     }
     for (std::size_t s = 0; s + 1 < chain.kept.size(); ++s) {
       const std::size_t i = chain.kept[s], j = chain.kept[s + 1];
@@ -221,7 +220,7 @@ class Tracing {
       if (ridge && distance(p[i], p[j]) > 1) {
         double sum = 0;
         for (const Point2 q : piece) sum += std::abs(ridge->offset(q));
-        if (sum < options_.snap * static_cast<double>(piece.size())) line = *ridge;
+        if (sum < kSnap * static_cast<double>(piece.size())) line = *ridge;
       }
       chain.lines.push_back(line);
     }
@@ -295,7 +294,6 @@ class Tracing {
 
   const RoofCells& cells_;
   const RoofRegions& regions_;
-  const TraceOptions& options_;
   Partition lines_;
   std::set<std::pair<double, double>> corners_;
   std::vector<NodeId> node_;  ///< Per vertex of the cells.
@@ -306,8 +304,8 @@ class Tracing {
 }  // namespace
 
 Partition trace_lines(const Polygon& footprint, const RoofCells& cells, const RoofRegions& regions,
-                      const TraceOptions& options) {
-  return Tracing(footprint, cells, regions, options).run();
+                      double reach) {
+  return Tracing(footprint, cells, regions, reach).run();
 }
 
 }  // namespace tetropolis

@@ -7,18 +7,13 @@
 
 namespace tetropolis {
 
-struct TraceOptions {
-  double tolerance = 0.5;  ///< Metres that a line may leave the border of the cells.
-  double snap = 0.75;      ///< Metres: borders so near to where two planes meet run there.
-  double reach = 1;        ///< As far as later steps look around, metres.
-};
-
 /// The borders of regions as a planar partition: chains of cells' edges simplified (Douglas,
 /// Peucker, "Algorithms for the reduction of the number of points required to represent a digitized
 /// line", 1973), each piece on the line of least squares or on the planes' intersection, bends and
 /// junctions moved to where their lines meet. Corners of the footprint keep their coordinates;
-/// other nodes of the outline are on it, up to rounding.
+/// other nodes of the outline are on it, up to rounding. `reach`: as far as later steps look
+/// around, metres.
 Partition trace_lines(const Polygon& footprint, const RoofCells& cells, const RoofRegions& regions,
-                      const TraceOptions& options);
+                      double reach);
 
 }  // namespace tetropolis

@@ -29,8 +29,9 @@ constexpr double kForever = kInfinity;
 /// A change has to lower the cost by this share, so that rounding never makes changes go round.
 constexpr double kWorthwhile = 1e-3;
 
-/// Changes made to one column in one sweep, at most.
+/// Changes made to one column in one sweep, and cells looked at for that, at most.
 constexpr int kChangesPerSweep = 8;
+constexpr std::int64_t kMostCellsPerColumn = 50'000;
 
 /// Connected stacks that one sweep works on, at most: those with the worst cells.
 constexpr std::size_t kMostStacks = 2000;
@@ -119,7 +120,6 @@ class Improver {
   Improver(const ColumnMesh& mesh, const ImproveOptions& options)
       : mesh_(&mesh),
         cost_(options),
-        cells_per_column_(options.most_cells_per_column),
         cells_per_sweep_(options.most_cells / std::max(options.sweeps, 1)),
         fixed_(options.fixed),
         least_tangent_(std::tan(to_radians(kHopeless * options.least_deg))),
@@ -173,7 +173,7 @@ class Improver {
 
   const ColumnMesh* mesh_;
   Cost cost_;
-  std::int64_t cells_per_column_, cells_per_sweep_;
+  std::int64_t cells_per_sweep_;
   std::span<const std::uint8_t> fixed_;
   double least_tangent_;            ///< Of the angle below which a corner is hopeless.
   std::vector<std::int32_t> slot_;  ///< Per vertex: its place in changed_, or -1.
@@ -477,7 +477,7 @@ std::vector<VertexIndex> Improver::sweep(const std::vector<VertexIndex>& vertice
   const std::vector<std::int32_t> colour = colours_of(vertices);
   const std::int32_t colours = 1 + *std::max_element(colour.begin(), colour.end());
   const std::int64_t share =
-      std::min(cells_per_column_, cells_per_sweep_ / static_cast<std::int64_t>(vertices.size()));
+      std::min(kMostCellsPerColumn, cells_per_sweep_ / static_cast<std::int64_t>(vertices.size()));
   std::vector<VertexIndex> changed;
   for (std::int32_t c = 0; c < colours; ++c) {
     std::vector<VertexIndex> members;

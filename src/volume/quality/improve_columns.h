@@ -21,7 +21,6 @@ struct ImproveOptions {
   double greatest_deg = kGoodAngles.greatest;  ///< and those with a greater one.
   double straight_deg = 90;  ///< And those on a face that is more non-orthogonal; 90: none are.
   int sweeps = 3;            ///< Over the columns of such cells, at most.
-  std::int64_t most_cells_per_column = 50'000;  ///< Looked at in each sweep.
   /// Looked at by all sweeps; shared by them and their columns alike.
   std::int64_t most_cells = std::numeric_limits<std::int64_t>::max();
   /// Per triangle: the first sweep works on stacks over those that share a vertex with one that has
