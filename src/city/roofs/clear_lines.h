@@ -11,6 +11,10 @@
 
 namespace tetropolis {
 
+/// By so much rounding the coordinates of cleared lines may bring them closer, or make regions
+/// smaller: to be asked for in addition. Metres, square metres.
+inline constexpr double kForRounding = 5e-4;
+
 struct ClearLinesOptions {
   double clearance = 1;   ///< Metres, > 0.
   double min_area = 2;    ///< Square metres: smaller regions go to a neighbour.

@@ -106,9 +106,8 @@ RoofPlane gentler(const RoofPlane& plane, Point2 about) {
 }  // namespace
 
 bool clear_parts(Building& building, double clearance) {
-  constexpr double kForSnap = 5e-4;  // metres, square metres
-  constexpr double kCap = 3;         // metres
-  constexpr double kMinArea = 2;     // square metres
+  constexpr double kCap = 3;      // metres
+  constexpr double kMinArea = 2;  // square metres
   const double size = area(building.footprint);
   if (size < 2 * kMinArea) return false;
   const Polygon outline = without_junctions(building.footprint);
@@ -142,8 +141,8 @@ bool clear_parts(Building& building, double clearance) {
   RegionPoints points(input.points.values, std::vector<double>(samples.size(), step * step),
                       region_of, roofs, bounds(building.footprint), 50, kCap);
   ClearLinesOptions options;
-  options.clearance = clearance + kForSnap;
-  options.min_area = kMinArea + kForSnap;
+  options.clearance = clearance + kForRounding;
+  options.min_area = kMinArea + kForRounding;
   clear_lines(lines, points, options);
 
   FinishedRoof finished = finish_parts(input, lines, points, {50, lowest});

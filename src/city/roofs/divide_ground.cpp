@@ -222,7 +222,6 @@ std::vector<SurfaceArea> without(const std::vector<SurfaceArea>& areas,
 
 Surfaces divide_ground(std::span<const SurfaceArea> areas, std::span<const Polygon> footprints,
                        const Domain& domain, double clearance) {
-  constexpr double kForRounding = 5e-4;  // metres
   constexpr double kLeastSquares = 10;
   constexpr int kTries = 12;
   Surfaces result;

@@ -43,8 +43,7 @@ RoofFindings find_planes(const RoofInput& input, const RoofOptions& options) {
 
 FinishedRoof roof_of_building(const RoofInput& input, const RoofFindings& found,
                               const RoofOptions& options, double fallback_height, double lowest) {
-  constexpr double kCap = 3;         // metres
-  constexpr double kForSnap = 5e-4;  // metres that snapping may bring lines closer
+  constexpr double kCap = 3;  // metres
   const RoofCells& cells = found.cells;
   LabelOptions label = label_options(options);
   label.fallback_height = fallback_height;
@@ -52,8 +51,8 @@ FinishedRoof roof_of_building(const RoofInput& input, const RoofFindings& found,
   Partition lines = trace_lines(input.footprint, cells, regions, options.clearance);
   RegionPoints points = region_points(input, cells, regions, options.percentile, kCap);
   ClearLinesOptions clear;
-  clear.clearance = options.clearance + kForSnap;
-  clear.min_area = options.min_area + kForSnap;
+  clear.clearance = options.clearance + kForRounding;
+  clear.min_area = options.min_area + kForRounding;
   clear.polish = options.lod != Lod::k1_2;
   clear_lines(lines, points, clear);
   const FinishOptions finish{options.percentile, lowest};
