@@ -61,12 +61,6 @@ std::string usage_of_words(Command command) {
   return text;
 }
 
-const ConfigField& field_named(std::string_view name) {
-  const auto fields = config_fields();
-  return *std::find_if(fields.begin(), fields.end(),
-                       [&](const ConfigField& field) { return field.name == name; });
-}
-
 bool is_given(const ConfigField& field, const Config& config) {
   if (const auto* text = std::get_if<std::string Config::*>(&field.member))
     return !(config.**text).empty();
@@ -134,7 +128,7 @@ void ConfigOptions::place_words(Config& config) const {
   std::vector<const ConfigField*> fields;
   std::vector<std::string> given;
   for (const std::string_view name : names_of_words(command_)) {
-    const ConfigField& field = field_named(name);
+    const ConfigField& field = *find_field(name);
     if (is_given(field, config))
       given.push_back(option_name(field));
     else if (!(name == "footprints" && config.terrain_only && words_.size() < 3))
@@ -190,49 +184,12 @@ Config ConfigOptions::config() const {
 }
 
 std::string with_options(const std::string& message) {
-  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || c == '_'; };
-  const auto field_of = [](std::string_view name) {
-    const auto fields = config_fields();
-    const auto found = std::find_if(fields.begin(), fields.end(),
-                                    [&](const ConfigField& field) { return field.name == name; });
-    return found == fields.end() ? nullptr : &*found;
-  };
-  constexpr std::string_view kBefore = " (`,;:", kAfter = " )`,;:.", kEquals = " = ";
-  std::string text;
-  for (std::size_t i = 0; i < message.size();) {
-    std::size_t end = i;
-    while (end < message.size() && is_letter(message[end])) ++end;
-    if (end == i) {
-      text += message[i++];
-      continue;
-    }
-    const std::string_view name = std::string_view(message).substr(i, end - i);
-    const bool quoted =
-        i > 0 && message[i - 1] == '`' && end < message.size() && message[end] == '`';
-    const bool alone =
-        (i == 0 || kBefore.find(message[i - 1]) != std::string_view::npos) &&
-        (end == message.size() || kAfter.find(message[end]) != std::string_view::npos);
-    const ConfigField* field =
-        quoted || (alone && name.find('_') != std::string_view::npos) ? field_of(name) : nullptr;
-    i = end;
-    if (field == nullptr) {
-      text += name;
-      while (i < message.size() && !is_letter(message[i]) && message[i] != '`' &&
-             kBefore.find(message[i]) == std::string_view::npos)
-        text += message[i++];
-      continue;
-    }
-    if (quoted) {
-      text.pop_back();
-      ++i;
-    }
-    text += option_name(*field);
-    if (std::string_view(message).substr(i).starts_with(kEquals)) {
-      text += ' ';
-      i += kEquals.size();
-    }
-  }
-  return text;
+  return respell_settings(message, ",;:", [](const ConfigField& field, std::string_view& rest) {
+    constexpr std::string_view kEquals = " = ";
+    if (!rest.starts_with(kEquals)) return option_name(field);
+    rest.remove_prefix(kEquals.size());
+    return option_name(field) + ' ';
+  });
 }
 
 }  // namespace tetropolis::app

@@ -165,43 +165,15 @@ Config config_of(const std::string& function, const nb::dict& keywords) {
 }
 
 std::string with_keywords(const std::string& message) {
-  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || c == '_'; };
-  constexpr std::string_view kBefore = " (`,;", kAfter = " )`,;.";
-  std::string result;
-  for (std::size_t i = 0; i < message.size();) {
-    std::size_t end = i;
-    while (end < message.size() && is_letter(message[end])) ++end;
-    const std::string_view name = std::string_view(message).substr(i, end - i);
-    const bool begins = i == 0 || kBefore.find(message[i - 1]) != std::string_view::npos;
-    const bool ends = end == message.size() || kAfter.find(message[end]) != std::string_view::npos;
-    const bool quoted = i > 0 && message[i - 1] == '`' && message.substr(end, 1) == "`";
-    const auto fields = config_fields();
-    const auto field =
-        std::find_if(fields.begin(), fields.end(),
-                     [&](const ConfigField& candidate) { return candidate.name == name; });
-    const bool is_setting = field != fields.end() && begins && ends &&
-                            (quoted || name.find('_') != std::string_view::npos);
-    if (end == i) {
-      result += message[i++];
-      continue;
-    }
-    i = end;
-    if (!is_setting) {
-      result += name;
-      continue;
-    }
-    if (quoted) {
-      result.pop_back();
-      ++i;
-    }
-    result += name;
-    result += std::holds_alternative<bool Config::*>(field->member) ? "=True" : "=";
+  return respell_settings(message, ",;", [](const ConfigField& field, std::string_view& rest) {
+    const std::string name(field.name);
     // "`layering` = uniform" has the sign already; "`mesh_size` 5" is a value, too.
-    const std::string_view rest = std::string_view(message).substr(i);
-    if (rest.starts_with(" = ")) i += 3;
-    if (rest.size() > 1 && rest[0] == ' ' && rest[1] >= '0' && rest[1] <= '9') ++i;
-  }
-  return result;
+    if (rest.starts_with(" = "))
+      rest.remove_prefix(3);
+    else if (rest.size() > 1 && rest[0] == ' ' && rest[1] >= '0' && rest[1] <= '9')
+      rest.remove_prefix(1);
+    return name + (std::holds_alternative<bool Config::*>(field.member) ? "=True" : "=");
+  });
 }
 
 }  // namespace tetropolis::python

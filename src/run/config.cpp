@@ -298,6 +298,45 @@ std::string config_markdown() {
   return text;
 }
 
+std::string respell_settings(
+    std::string_view message, std::string_view marks,
+    const std::function<std::string(const ConfigField& field, std::string_view& rest)>& spell) {
+  const auto is_one_of = [](char c, std::string_view list) {
+    return list.find(c) != std::string_view::npos;
+  };
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || c == '_'; };
+  std::string text;
+  for (std::size_t i = 0; i < message.size();) {
+    std::size_t end = i;
+    while (end < message.size() && is_letter(message[end])) ++end;
+    if (end == i) {
+      text += message[i++];
+      continue;
+    }
+    const std::string_view name = message.substr(i, end - i);
+    const char before = i > 0 ? message[i - 1] : ' ';
+    const char after = end < message.size() ? message[end] : ' ';
+    const bool quoted = before == '`' && after == '`';
+    const bool alone = (is_one_of(before, " (`") || is_one_of(before, marks)) &&
+                       (is_one_of(after, " )`.") || is_one_of(after, marks));
+    const ConfigField* field =
+        quoted || (alone && is_one_of('_', name)) ? find_field(name) : nullptr;
+    i = end;
+    if (field == nullptr) {
+      text += name;
+      continue;
+    }
+    if (quoted) {
+      text.pop_back();
+      ++i;
+    }
+    std::string_view rest = message.substr(i);
+    text += spell(*field, rest);
+    i = message.size() - rest.size();
+  }
+  return text;
+}
+
 std::string nearest_name(std::string_view name, std::span<const std::string> known) {
   std::string best;
   std::size_t best_distance = std::max<std::size_t>(2, name.size() / 3) + 1;

@@ -614,4 +614,10 @@ std::span<const ConfigField> config_fields() {
   return fields;
 }
 
+const ConfigField* find_field(std::string_view name) {
+  for (const ConfigField& field : config_fields())
+    if (field.name == name) return &field;
+  return nullptr;
+}
+
 }  // namespace tetropolis

@@ -48,34 +48,33 @@ bool takes_text(const ConfigField& field) {
 
 void set_key(Config& config, std::string_view key, const toml::node& value,
              const std::string& origin) {
-  std::vector<std::string> names;
-  for (const ConfigField& field : config_fields()) {
-    names.emplace_back(field.name);
-    if (field.name != key) continue;
-    const std::string place = fmt::format("{}: {}", origin, key);
-    std::vector<std::string> texts;
-    const auto take = [&](const toml::node& node) {
-      if (!is_scalar(node) || node.is_string() != takes_text(field))
-        throw Error(ErrorKind::kUsage,
-                    fmt::format("{} takes {}", place,
-                                takes_text(field) ? "text in quotes" : wanted_type(field)));
-      texts.push_back(text_of(node));
-    };
-    const auto* array = value.as_array();
-    if (array != nullptr && !takes_list(field))
-      throw Error(ErrorKind::kUsage, place + " takes one value, without brackets");
-    if (array != nullptr)
-      for (const toml::node& element : *array) take(element);
-    else
-      take(value);
-    set_field(config, field, texts, place);
-    return;
+  const ConfigField* field = find_field(key);
+  if (field == nullptr) {
+    std::vector<std::string> names;
+    for (const ConfigField& known : config_fields()) names.emplace_back(known.name);
+    const std::string nearest = nearest_name(key, names);
+    throw Error(ErrorKind::kUsage,
+                fmt::format("{}: unknown key '{}'{}", origin, key,
+                            nearest.empty() ? "; see 'tetropolis init'"
+                                            : fmt::format("; did you mean '{}'?", nearest)));
   }
-  const std::string nearest = nearest_name(key, names);
-  throw Error(ErrorKind::kUsage,
-              fmt::format("{}: unknown key '{}'{}", origin, key,
-                          nearest.empty() ? "; see 'tetropolis init'"
-                                          : fmt::format("; did you mean '{}'?", nearest)));
+  const std::string place = fmt::format("{}: {}", origin, key);
+  std::vector<std::string> texts;
+  const auto take = [&](const toml::node& node) {
+    if (!is_scalar(node) || node.is_string() != takes_text(*field))
+      throw Error(ErrorKind::kUsage,
+                  fmt::format("{} takes {}", place,
+                              takes_text(*field) ? "text in quotes" : wanted_type(*field)));
+    texts.push_back(text_of(node));
+  };
+  const auto* array = value.as_array();
+  if (array != nullptr && !takes_list(*field))
+    throw Error(ErrorKind::kUsage, place + " takes one value, without brackets");
+  if (array != nullptr)
+    for (const toml::node& element : *array) take(element);
+  else
+    take(value);
+  set_field(config, *field, texts, place);
 }
 
 [[noreturn]] void cannot_open(const std::filesystem::path& path, const std::string& reason) {

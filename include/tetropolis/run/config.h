@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <span>
 #include <string>
@@ -167,6 +168,9 @@ struct ConfigField {
 /// All settings, in the order in which they are documented.
 std::span<const ConfigField> config_fields();
 
+/// The setting of this name; nullptr: there is none.
+const ConfigField* find_field(std::string_view name);
+
 /// The option's spelling: "--mesh-size".
 std::string option_name(const ConfigField& field);
 
@@ -191,6 +195,14 @@ std::string config_template(unsigned commands);
 
 /// All settings as one Markdown table per group.
 std::string config_markdown();
+
+/// A message of the library with its settings as a caller spells them. They are told by their
+/// names, those of a single word in backquotes. `marks`: what may stand beside a name, besides
+/// spaces, brackets, backquotes and a full stop. `spell` returns what stands for a setting; `rest`,
+/// what follows it, may be shortened by what that stands for, too.
+std::string respell_settings(
+    std::string_view message, std::string_view marks,
+    const std::function<std::string(const ConfigField& field, std::string_view& rest)>& spell);
 
 /// The name among `known` closest to `name` by edit distance, or an empty string if none is close.
 std::string nearest_name(std::string_view name, std::span<const std::string> known);
