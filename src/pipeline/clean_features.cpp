@@ -25,8 +25,8 @@ namespace {
 /// Square metres of parts given up that are more than the slivers of a repair.
 constexpr double kNoSliver = 1;
 
-/// Ids for the parts that the domain cuts features into, beyond the first: those that follow the
-/// parts that a multipolygon has.
+/// Ids for the parts that the domain and planned buildings cut features into, beyond the first:
+/// those that follow the parts that a multipolygon has.
 class PartIds {
  public:
   explicit PartIds(const FootprintsInput& input) {

@@ -18,7 +18,7 @@ struct CleanFeatures {
   std::vector<Dropped> dropped;      ///< Those of the input first.
   /// What the footprints that are dropped for crossing the boundary have within the domain.
   std::vector<Polygon> crossing;
-  std::int64_t parts = 0;  ///< That the boundary cut features into, beyond the first of each.
+  std::int64_t parts = 0;  ///< That features were cut into, beyond the first of each.
   double area = 0;         ///< Of all features, where there are points, square metres.
   double area_lost = 0;    ///< Of those dropped at the boundary, where there are points.
 };

@@ -94,10 +94,9 @@ void fields_of(InputFacts& input, const Field& field) {
         "ground points left out as birds or pits");
   field("footprints_read", input.footprints_read, "integer",
         "features in the footprint file; in `synth`, written");
-  field(
-      "footprint_parts", input.footprint_parts, "integer",
-      "features to account for: multipolygons, and buildings that the domain cuts, count by part; "
-      "0 in `synth`");
+  field("footprint_parts", input.footprint_parts, "integer",
+        "features to account for: multipolygons, and buildings that the domain or what is planned "
+        "cuts, count by part; 0 in `synth`");
 }
 
 template <typename Field>

@@ -94,8 +94,8 @@ struct InputFacts {
   std::int64_t ground_filtered = 0;      ///< Points that the ground filter found to be ground.
   std::int64_t ground_outliers = 0;      ///< Ground points left out as birds or pits.
   std::int64_t footprints_read = 0;      ///< Features of the file.
-  std::int64_t footprint_parts = 0;      ///< The same with multipolygons, and what the domain
-                                         ///< cuts into parts, split: what is accounted for.
+  std::int64_t footprint_parts = 0;      ///< The same with multipolygons, and what the domain or
+                                         ///< planned buildings cut, split: what is accounted for.
   std::int64_t footprints_unlisted = 0;  ///< FootprintsInput::unlisted.
 };
 
@@ -103,8 +103,8 @@ struct InputFacts {
 /// `further_parts`.
 struct FootprintAccount {
   std::int64_t features = 0;       ///< Of the file.
-  std::int64_t further_parts = 0;  ///< Of multipolygons and of what the domain cuts, beyond the
-                                   ///< first of each feature.
+  std::int64_t further_parts = 0;  ///< Of multipolygons and of what the domain or planned buildings
+                                   ///< cut, beyond the first of each feature.
   std::int64_t kept = 0;           ///< Buildings of one footprint.
   std::int64_t merged = 0;         ///< Footprints in buildings of several.
   std::array<std::int64_t, kDropCauses> dropped{};  ///< By DropCause.
