@@ -150,7 +150,7 @@ void add_case_options(CLI::App& command, CaseArguments& arguments) {
   command.add_option("folder", arguments.folder, "Folder of results; the case is put there")
       ->required()
       ->type_name("DIR")
-      ->check([](const std::string& text) { return text.empty() ? "an empty name" : ""; });
+      ->check(wrong_name);
   CLI::Option* const speed =
       number("--wind-speed", options.wind.speed, "Speed at --wind-height [m/s]");
   CLI::Option* const from =

@@ -1,4 +1,4 @@
-// Options that are one of some words.
+// Options that are one of some words, or a name.
 #pragma once
 
 #include <algorithm>
@@ -13,6 +13,11 @@
 namespace tetropolis::app {
 
 using Words = std::span<const std::string_view>;
+
+/// What is wrong with the name of a file or folder: a script has none where a variable is not set.
+inline std::string wrong_name(const std::string& text) {
+  return text.empty() ? "an empty name" : "";
+}
 
 /// What is wrong with `word`; empty if it is one of `words`.
 inline std::string not_one_of(const std::string& word, Words words) {

@@ -35,6 +35,7 @@
 
 #include "arguments.h"
 #include "case_command.h"
+#include "choice.h"
 #include "commands.h"
 #include "console.h"
 #include "help.h"
@@ -228,9 +229,6 @@ void add_run(CommandLine& line, const std::string& name, const std::string& help
   const auto options = std::make_shared<ConfigOptions>(added, command);
   on_choice(line, added, [options, command, function] { return run(*options, command, function); });
 }
-
-/// As a script makes them of a variable that is not set.
-std::string wrong_name(const std::string& text) { return text.empty() ? "an empty name" : ""; }
 
 void add_info(CommandLine& line) {
   CLI::App& added = *line.app.add_subcommand(

@@ -17,11 +17,11 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
   command.add_option("path", arguments.path, "Folder of results or file")
       ->required()
       ->type_name("PATH")
-      ->check([](const std::string& text) { return text.empty() ? "an empty name" : ""; });
+      ->check(wrong_name);
   command.add_option("-o,--out", arguments.out, "Picture to write, PNG")
       ->required()
       ->type_name("FILE")
-      ->check([](const std::string& text) { return text.empty() ? "an empty name" : ""; });
+      ->check(wrong_name);
   add_choice(command, "--view", arguments.view, kViewNames,
              "From the air, from above, or a vertical plane through the volume");
   add_choice(command, "--colour", arguments.colour, kPictureColourNames,
