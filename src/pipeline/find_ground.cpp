@@ -46,10 +46,8 @@ std::vector<std::uint8_t> filter_around(const CityInput& input, std::span<const 
   cloud.z.reserve(near.size());
   cloud.classification.reserve(near.size());
   for (const std::size_t p : near) {
-    cloud.x.push_back(input.points.points.x[p]);
-    cloud.y.push_back(input.points.points.y[p]);
-    cloud.z.push_back(input.points.points.z[p]);
-    cloud.classification.push_back(input.points.points.classification[p]);
+    cloud.push_back(input.points.points.x[p], input.points.points.y[p], input.points.points.z[p],
+                    input.points.points.classification[p]);
   }
   const std::vector<std::uint8_t> found =
       filter_ground(cloud, footprints, options, portion(progress, 0.2, 1));

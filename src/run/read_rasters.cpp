@@ -124,10 +124,7 @@ PointsInput read_surface(const Config& config, const RasterHeaders& rasters, con
       const Point2 p{raster.x0 + i * raster.step, raster.y0 + j * raster.step};
       const double z = raster.at(i, j);
       if (std::isnan(z) || !local.contains(p)) continue;
-      input.points.x.push_back(PointCoordinate(p.x));
-      input.points.y.push_back(PointCoordinate(p.y));
-      input.points.z.push_back(PointCoordinate(z));
-      input.points.classification.push_back(kUnclassified);
+      input.points.push_back(p.x, p.y, z, kUnclassified);
       input.extent.extend(p);
     }
   input.points_read = static_cast<std::int64_t>(raster.values.size());

@@ -24,10 +24,7 @@ Point point_at(const PointTile& tile, std::size_t i) {
 
 void append(PointTile& tile, const Point& p) {
   if (p.flags != 0 && tile.flags.empty()) tile.flags.resize(tile.points.size(), 0);
-  tile.points.x.push_back(p.x);
-  tile.points.y.push_back(p.y);
-  tile.points.z.push_back(round_to_mm(p.z));
-  tile.points.classification.push_back(p.code);
+  tile.points.push_back(p.x, p.y, round_to_mm(p.z), p.code);
   if (!tile.flags.empty()) tile.flags.push_back(p.flags);
 }
 

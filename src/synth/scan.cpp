@@ -180,10 +180,7 @@ class Scanner {
 };
 
 void add_point(PointCloud& cloud, Point2 p, double z, std::uint8_t code) {
-  cloud.x.push_back(p.x);
-  cloud.y.push_back(p.y);
-  cloud.z.push_back(round_to_mm(z));
-  cloud.classification.push_back(code);
+  cloud.push_back(p.x, p.y, round_to_mm(z), code);
 }
 
 /// Now and then a bird above or a multiple reflection below.

@@ -64,10 +64,7 @@ struct Block {
       const Point2 p{x(random), y(random)};
       if (!contains(member.footprint, p)) continue;
       list.push_back(static_cast<PointIndex>(cloud.size()));
-      cloud.x.push_back(p.x);
-      cloud.y.push_back(p.y);
-      cloud.z.push_back(roof(p) + noise(random));
-      cloud.classification.push_back(kBuildingClass);
+      cloud.push_back(p.x, p.y, roof(p) + noise(random), kBuildingClass);
     }
     points.roof.push_back(list);
     points.ground.push_back({});

@@ -25,10 +25,7 @@ struct Scene {
 
   void add(PointLists& list, double x, double y, double z) {
     list.values.push_back(static_cast<PointIndex>(cloud.size()));
-    cloud.x.push_back(x);
-    cloud.y.push_back(y);
-    cloud.z.push_back(z);
-    cloud.classification.push_back(kUnclassified);
+    cloud.push_back(x, y, z, kUnclassified);
   }
   void close() {
     for (PointLists* list : {&roof, &below, &around, &beside})

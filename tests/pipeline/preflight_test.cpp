@@ -21,10 +21,7 @@ PointsInput points_at(const std::vector<Point2>& positions) {
   PointsInput points;
   points.origin = kOrigin;
   for (const Point2 p : positions) {
-    points.points.x.push_back(p.x);
-    points.points.y.push_back(p.y);
-    points.points.z.push_back(0);
-    points.points.classification.push_back(2);
+    points.points.push_back(p.x, p.y, 0, 2);
     points.extent.extend(p);
   }
   return points;

@@ -33,10 +33,7 @@ PointCloud filtered(const PointCloud& cloud, const std::function<bool(std::size_
 void append(PointCloud& cloud, double x, double y, double z, int code) {
   // Whole millimetres, as files hold them: halves would be rounded up or down by the file's offset.
   const auto rounded = [](double metres) { return std::round(1000 * metres) / 1000; };
-  cloud.x.push_back(rounded(x));
-  cloud.y.push_back(rounded(y));
-  cloud.z.push_back(rounded(z));
-  cloud.classification.push_back(static_cast<std::uint8_t>(code));
+  cloud.push_back(rounded(x), rounded(y), rounded(z), static_cast<std::uint8_t>(code));
 }
 
 CloudCity::CloudCity() {

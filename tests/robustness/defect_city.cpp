@@ -77,10 +77,7 @@ std::vector<Feature> with_patient(const DefectCity& city, const std::string& pat
 PointCloud scan(const DefectCity& city) {
   PointCloud cloud;
   const auto add = [&](double x, double y, double z, int code) {
-    cloud.x.push_back(x);
-    cloud.y.push_back(y);
-    cloud.z.push_back(z);
-    cloud.classification.push_back(static_cast<std::uint8_t>(code));
+    cloud.push_back(x, y, z, static_cast<std::uint8_t>(code));
   };
   // Off the walls, which are at whole metres.
   const Bounds2& box = city.domain;

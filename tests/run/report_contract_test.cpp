@@ -267,9 +267,9 @@ double clearance_of(const CityModel& model) {
 class ReportContract : public ::testing::TestWithParam<Layering> {
  protected:
   ReportContract() {
-    village.add(50.25, 35.25, 90, kHighNoise);
-    village.add(50.75, 35.25, 14, kWater);
-    village.add(52.25, 35.25, 12, kGround);
+    village.cloud.push_back(50.25, 35.25, 90, kHighNoise);
+    village.cloud.push_back(50.75, 35.25, 14, kWater);
+    village.cloud.push_back(52.25, 35.25, 12, kGround);
     village.flags.assign(village.cloud.size(), 0);
     village.flags.back() = kWithheldPoint;
     // Behind one building the ground rises above the roof.

@@ -60,16 +60,10 @@ struct Village {
           if (b == kHall) z = 20 + 0.2 * (x - 15);
           code = kBuildingClass;
         }
-        add(x, y, z, code);
+        cloud.push_back(x, y, z, code);
       }
-    for (const double x : {20.0, 30.0}) add(x, 22, 60, kBuildingClass);  // masts on the hall
-  }
-
-  void add(double x, double y, double z, std::uint8_t code) {
-    cloud.x.push_back(x);
-    cloud.y.push_back(y);
-    cloud.z.push_back(z);
-    cloud.classification.push_back(code);
+    for (const double x : {20.0, 30.0})
+      cloud.push_back(x, 22, 60, kBuildingClass);  // masts on the hall
   }
 
   /// Lifts one point.

@@ -27,10 +27,7 @@ Polygon box(double x0, double y0, double x1, double y1) {
 }
 
 void add(PointCloud& cloud, double x, double y, double z, std::uint8_t code = kUnclassified) {
-  cloud.x.push_back(x);
-  cloud.y.push_back(y);
-  cloud.z.push_back(z);
-  cloud.classification.push_back(code);
+  cloud.push_back(x, y, z, code);
 }
 
 /// Unclassified points on ground(x, y), or `height` above it inside the buildings.

@@ -21,10 +21,7 @@ using testing::test_seed;
 using Numbers = std::vector<std::uint32_t>;
 
 void add(PointCloud& cloud, double x, double y, double z, std::uint8_t code = kGround) {
-  cloud.x.push_back(x);
-  cloud.y.push_back(y);
-  cloud.z.push_back(z);
-  cloud.classification.push_back(code);
+  cloud.push_back(x, y, z, code);
 }
 
 /// `per_m2` ground points per square metre on a square of side `size`, at height(x, y).

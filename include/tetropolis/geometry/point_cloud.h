@@ -49,6 +49,12 @@ struct PointCloud {
   Buffer<std::uint8_t> classification;  ///< ASPRS class code, see PointClass.
 
   std::size_t size() const { return x.size(); }
+  void push_back(PointCoordinate px, PointCoordinate py, PointCoordinate pz, std::uint8_t code) {
+    x.push_back(px);
+    y.push_back(py);
+    z.push_back(pz);
+    classification.push_back(code);
+  }
 };
 
 /// The points number begin to end - 1 of a cloud.

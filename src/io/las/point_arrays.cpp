@@ -73,10 +73,7 @@ PointsInput take_points(const PointArrays& points, const ReadPointsOptions& opti
         (options.crop && !options.crop->contains({x, y})))
       continue;
     const Point2 local{x - result.origin.x, y - result.origin.y};
-    cloud.x.emplace_back(local.x);
-    cloud.y.emplace_back(local.y);
-    cloud.z.emplace_back(z);
-    cloud.classification.push_back(code);
+    cloud.push_back(local.x, local.y, z, code);
     ++result.points_by_class[code];
     result.extent.extend(local);
   }

@@ -254,10 +254,7 @@ TEST(PointFlags, GoIntoTheFileAndWithheldPointsAreLeftOut) {
   PointCloud cloud;
   std::vector<std::uint8_t> flags;
   for (int i = 0; i < 16; ++i) {
-    cloud.x.push_back(i);
-    cloud.y.push_back(2 * i);
-    cloud.z.push_back(3 * i);
-    cloud.classification.push_back(2);
+    cloud.push_back(i, 2 * i, 3 * i, 2);
     flags.push_back(static_cast<std::uint8_t>(i));  // Every combination.
   }
   for (const int format : {1, 6}) {
