@@ -82,13 +82,11 @@ Input read_input(const std::string& source, const std::string& crs) {
 
 Json rings_json(const Polygon& polygon) {
   Json rings = Json::array();
-  const auto add = [&](const Ring& ring) {
+  for_each_ring(polygon, [&](const Ring& ring) {
     Json points = Json::array();
     for (const Point2 p : ring) points.push_back({p.x, p.y});
     rings.push_back(std::move(points));
-  };
-  add(polygon.outer);
-  for (const Ring& hole : polygon.holes) add(hole);
+  });
   return rings;
 }
 

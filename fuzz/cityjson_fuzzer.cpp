@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/cityjson/cityjson.h"
 
 #include "fuzz_input.h"
@@ -33,8 +34,7 @@ void claim_model(const CityModel& model) {
     claim(building.h_ground < building.h_roof, "roofs are above the ground");
     claim(std::isfinite(building.h_ground) && std::isfinite(building.h_roof), "heights");
     claim(building.n_ground_points >= 0 && building.n_roof_points >= 0, "counts of points");
-    claim_ring(building.footprint.outer);
-    for (const Ring& hole : building.footprint.holes) claim_ring(hole);
+    for_each_ring(building.footprint, claim_ring);
   }
 }
 

@@ -111,8 +111,7 @@ std::tuple<Rows, Offsets, Offsets> ragged(const std::vector<const Polygon*>& lis
     rings.push_back(static_cast<std::int64_t>(points.size()));
   };
   for (const Polygon* polygon : list) {
-    add(polygon->outer);
-    for (const Ring& hole : polygon->holes) add(hole);
+    for_each_ring(*polygon, add);
     polygons.push_back(static_cast<std::int64_t>(rings.size()) - 1);
   }
   return {make_rows<double, 2, std::array<double, 2>>(points.size(),

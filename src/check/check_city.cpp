@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "tetropolis/city/simplify/clearance.h"
+#include "tetropolis/geometry/polygon.h"
 
 #include "city_parts.h"
 #include "core/infinity.h"
@@ -62,11 +63,9 @@ void check_rings(const CityModel& city, CityCheck& check) {
 class EdgeSum {
  public:
   void add(const Polygon& polygon, int sign) {
-    const auto ring_edges = [&](const Ring& ring) {
+    for_each_ring(polygon, [&](const Ring& ring) {
       for (std::size_t i = 0; i < ring.size(); ++i) add(ring[i], ring[(i + 1) % ring.size()], sign);
-    };
-    ring_edges(polygon.outer);
-    for (const Ring& hole : polygon.holes) ring_edges(hole);
+    });
   }
   bool is_zero() const {
     return std::all_of(edges_.begin(), edges_.end(),
@@ -133,10 +132,7 @@ double clearance_of_parts(const Building& building) {
       edges.emplace_back(ring[i], ring[(i + 1) % ring.size()]);
     }
   };
-  for (const RoofPart& part : building.parts) {
-    add(part.outline.outer);
-    for (const Ring& hole : part.outline.holes) add(hole);
-  }
+  for (const RoofPart& part : building.parts) for_each_ring(part.outline, add);
   double least = kInfinity;
   for (const auto& [a, b] : edges) {
     const double west = std::min(a.x, b.x), east = std::max(a.x, b.x);

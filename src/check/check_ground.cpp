@@ -11,6 +11,8 @@
 
 #include <fmt/format.h>
 
+#include "tetropolis/geometry/polygon.h"
+
 #include "core/infinity.h"
 #include "core/parallel.h"
 #include "core/ragged_builder.h"
@@ -210,7 +212,7 @@ class GroundChecker {
     }
     std::sort(vertices.begin(), vertices.end(), [](Point2 p, Point2 q) { return p.x < q.x; });
     double perimeter = 0;
-    const auto look = [&](const Ring& ring) {
+    for_each_ring(polygon, [&](const Ring& ring) {
       for (std::size_t i = 0; i < ring.size(); ++i) {
         perimeter += distance(ring[i], ring[(i + 1) % ring.size()]);
         if (is_among(vertices, ring[i])) continue;
@@ -218,9 +220,7 @@ class GroundChecker {
           return fmt::format("{} at ({:.4f}, {:.4f})", name, ring[i].x, ring[i].y);
         });
       }
-    };
-    look(polygon.outer);
-    for (const Ring& hole : polygon.holes) look(hole);
+    });
     // Both ends of an edge of the outline may be off.
     const double tolerance = 2 * rounding_ * static_cast<double>(edges.size()) +
                              kLengthRounding * std::min(length, perimeter);

@@ -65,7 +65,7 @@ bool is_scribble(const Polygon& polygon) {
 
 const char* unusable_coordinate(const Polygon& polygon) {
   const char* reason = nullptr;
-  const auto check = [&](const Ring& ring) {
+  for_each_ring(polygon, [&](const Ring& ring) {
     for (const Point2 p : ring) {
       if (!std::isfinite(p.x) || !std::isfinite(p.y))
         reason = "non-finite coordinate";
@@ -73,9 +73,7 @@ const char* unusable_coordinate(const Polygon& polygon) {
                !(std::abs(p.x) <= grid::kMaxCoordinate && std::abs(p.y) <= grid::kMaxCoordinate))
         reason = "coordinate beyond 1e9 m";
     }
-  };
-  check(polygon.outer);
-  for (const Ring& hole : polygon.holes) check(hole);
+  });
   return reason;
 }
 

@@ -10,9 +10,7 @@ namespace {
 template <typename Convert>
 Polygon converted(const Polygon& polygon, const Convert& convert) {
   Polygon result = polygon;
-  for (Point2& p : result.outer) p = convert(p);
-  for (Ring& hole : result.holes)
-    for (Point2& p : hole) p = convert(p);
+  for_each_vertex(result, [&](Point2& p) { p = convert(p); });
   return result;
 }
 

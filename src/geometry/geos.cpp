@@ -217,10 +217,7 @@ Result faces(std::span<const Polygon> polygons, double grid) {
     if (ring.size() < 3) return;
     if (GEOSGeometry* made = make_ring(context, ring)) rings.push_back(made);
   };
-  for (const Polygon& polygon : polygons) {
-    add(polygon.outer);
-    for (const Ring& hole : polygon.holes) add(hole);
-  }
+  for (const Polygon& polygon : polygons) for_each_ring(polygon, add);
   const Geometry lines(
       context, GEOSGeom_createCollection_r(context.get(), GEOS_MULTILINESTRING, rings.data(),
                                            static_cast<unsigned>(rings.size())));

@@ -45,8 +45,7 @@ void check_tags(const GroundMesh& mesh, std::span<const Polygon> footprints, con
       for (std::size_t i = 0; i < ring.size(); ++i)
         outline.push_back({ring[i], ring[(i + 1) % ring.size()]});
     };
-    note_ring(polygon.outer);
-    for (const Ring& hole : polygon.holes) note_ring(hole);
+    for_each_ring(polygon, note_ring);
   };
   for (std::size_t b = 0; b < footprints.size(); ++b) note_edges(footprints[b], outlines[b]);
   note_edges(domain.outline(), outlines.back());

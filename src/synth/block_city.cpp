@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/geometry/polygon.h"
 #include "tetropolis/synth/synthetic_city.h"
 
 #include "blocks.h"
@@ -95,11 +96,9 @@ std::vector<SyntheticBridge> build_bridges(const StreetPlan& plan, double size) 
 }
 
 void shift(Polygon& footprint, Point2 by) {
-  const auto move = [&](Ring& ring) {
-    for (Point2& p : ring) p = {round_to_mm(p.x + by.x), round_to_mm(p.y + by.y)};
-  };
-  move(footprint.outer);
-  for (Ring& hole : footprint.holes) move(hole);
+  for_each_vertex(footprint, [&](Point2& p) {
+    p = {round_to_mm(p.x + by.x), round_to_mm(p.y + by.y)};
+  });
 }
 
 /// Small faults of the kind that cadastral footprints have. The points know nothing of them.

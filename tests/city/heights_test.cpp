@@ -231,11 +231,7 @@ Place read_place(const std::filesystem::path& footprints, const std::string& id_
     Building building;
     building.source_ids = {feature.source_id};
     building.footprint = feature.polygon;
-    const auto to_local = [&](Ring& ring) {
-      for (Point2& p : ring) p = {p.x - origin.x, p.y - origin.y};
-    };
-    to_local(building.footprint.outer);
-    for (Ring& hole : building.footprint.holes) to_local(hole);
+    for_each_vertex(building.footprint, [&](Point2& p) { p = {p.x - origin.x, p.y - origin.y}; });
     place.buildings.push_back(building);
   }
   ReadPointsOptions options;

@@ -89,6 +89,13 @@ void for_each_vertex(Polygon& polygon, const Visit& visit) {
     for (Point2& p : hole) visit(p);
 }
 
+/// Calls visit(ring) for every ring, outer first.
+template <typename AnyPolygon, typename Visit>
+void for_each_ring(AnyPolygon& polygon, const Visit& visit) {
+  visit(polygon.outer);
+  for (auto& hole : polygon.holes) visit(hole);
+}
+
 /// Calls visit(a, b) for every edge of every ring, outer first.
 template <typename Visit>
 void for_each_edge(const Polygon& polygon, const Visit& visit) {

@@ -109,11 +109,9 @@ class Tracing {
   Tracing(const Polygon& footprint, const RoofCells& cells, const RoofRegions& regions,
           double reach)
       : cells_(cells), regions_(regions), lines_(bounds(footprint).grown(1), reach) {
-    const auto add = [&](const Ring& ring) {
+    for_each_ring(footprint, [&](const Ring& ring) {
       for (const Point2 p : ring) corners_.insert({p.x, p.y});
-    };
-    add(footprint.outer);
-    for (const Ring& hole : footprint.holes) add(hole);
+    });
   }
 
   Partition run() {

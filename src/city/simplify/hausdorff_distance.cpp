@@ -32,10 +32,8 @@ struct Wall {
 class Region {
  public:
   explicit Region(std::span<const Polygon> polygons) {
-    for (const Polygon& polygon : polygons) {
-      add(polygon.outer);
-      for (const Ring& hole : polygon.holes) add(hole);
-    }
+    for (const Polygon& polygon : polygons)
+      for_each_ring(polygon, [&](const Ring& ring) { add(ring); });
     double length = 0;
     for (const Wall& wall : walls_) length += grid::distance(wall.a, wall.b);
     cell_ = cell_size(box_, length, walls_.size()) + 1;

@@ -52,8 +52,7 @@ bool round_to_grid(std::vector<Polygon>& polygons) {
     exact = exact && ring.size() == before;
   };
   for (Polygon& polygon : polygons) {
-    round(polygon.outer);
-    for (Ring& hole : polygon.holes) round(hole);
+    for_each_ring(polygon, round);
     std::erase_if(polygon.holes, [](const Ring& hole) { return hole.empty(); });
   }
   std::erase_if(polygons, [](const Polygon& polygon) { return polygon.outer.empty(); });
@@ -436,8 +435,7 @@ void take_out_apart(std::vector<Polygon>& polygons, std::vector<Polygon>& apart)
       continue;
     }
     Polygon& polygon = apart.emplace_back(std::move(polygons[i]));
-    start_at_lowest(polygon.outer);
-    for (Ring& hole : polygon.holes) start_at_lowest(hole);
+    for_each_ring(polygon, start_at_lowest);
     std::sort(polygon.holes.begin(), polygon.holes.end(), comes_before);
   }
   polygons.resize(kept);

@@ -5,6 +5,8 @@
 #include <optional>
 #include <tuple>
 
+#include "tetropolis/geometry/polygon.h"
+
 #include "geometry/vec2.h"
 
 namespace tetropolis {
@@ -18,11 +20,9 @@ class Corners {
  public:
   explicit Corners(const std::vector<RoofPart>& parts) {
     for (std::size_t part = 0; part < parts.size(); ++part) {
-      const auto add = [&](const Ring& ring) {
+      for_each_ring(parts[part].outline, [&](const Ring& ring) {
         for (const Point2& p : ring) corners_.push_back({p, parts[part].roof(p), part});
-      };
-      add(parts[part].outline.outer);
-      for (const Ring& hole : parts[part].outline.holes) add(hole);
+      });
     }
     std::sort(corners_.begin(), corners_.end(), [](const Corner& a, const Corner& b) {
       return std::tie(a.at.x, a.at.y, a.z, a.part) < std::tie(b.at.x, b.at.y, b.z, b.part);
@@ -75,12 +75,10 @@ class Sides {
  public:
   explicit Sides(const std::vector<RoofPart>& parts) {
     for (std::size_t part = 0; part < parts.size(); ++part) {
-      const auto add = [&](const Ring& ring) {
+      for_each_ring(parts[part].outline, [&](const Ring& ring) {
         for (std::size_t i = 0; i < ring.size(); ++i)
           edges_.push_back({ring[i], ring[(i + 1) % ring.size()], part});
-      };
-      add(parts[part].outline.outer);
-      for (const Ring& hole : parts[part].outline.holes) add(hole);
+      });
     }
     std::sort(edges_.begin(), edges_.end(), is_less);
   }
@@ -130,14 +128,12 @@ class SolidBuilder {
 
   void add_ground() {
     SolidFace face;
-    const auto add = [&](const Ring& ring) {
+    for_each_ring(building_.footprint, [&](const Ring& ring) {
       std::vector<Point3> down{{ring[0].x, ring[0].y, building_.h_ground}};
       for (std::size_t i = ring.size() - 1; i > 0; --i)
         down.push_back({ring[i].x, ring[i].y, building_.h_ground});
       face.rings.push_back(std::move(down));
-    };
-    add(building_.footprint.outer);
-    for (const Ring& hole : building_.footprint.holes) add(hole);
+    });
     faces_.push_back(std::move(face));
   }
 
@@ -146,7 +142,7 @@ class SolidBuilder {
     face.kind = SolidFaceKind::kRoof;
     face.part = part;
     std::size_t position = 0;
-    const auto add = [&](const Ring& ring) {
+    for_each_ring(building_.parts[part].outline, [&](const Ring& ring) {
       std::vector<Point3>& up = face.rings.emplace_back();
       for (std::size_t i = 0; i < ring.size(); ++i) {
         const Point2 a = ring[i], b = ring[(i + 1) % ring.size()];
@@ -159,9 +155,7 @@ class SolidBuilder {
           face.crossings.push_back(position++);
         }
       }
-    };
-    add(building_.parts[part].outline.outer);
-    for (const Ring& hole : building_.parts[part].outline.holes) add(hole);
+    });
     faces_.push_back(std::move(face));
   }
 

@@ -44,10 +44,7 @@ std::vector<Polygon> mirrored(std::vector<Polygon> polygons) {
     for (Point2& p : ring) std::swap(p.x, p.y);
     std::reverse(ring.begin(), ring.end());
   };
-  for (Polygon& polygon : polygons) {
-    mirror(polygon.outer);
-    for (Ring& hole : polygon.holes) mirror(hole);
-  }
+  for (Polygon& polygon : polygons) for_each_ring(polygon, mirror);
   return polygons;
 }
 

@@ -275,10 +275,7 @@ double sharpest_corner(const Simplification& result) {
       least = std::min(least, angle * 180 / std::numbers::pi);
     }
   };
-  for (const Polygon& polygon : result.footprints) {
-    look(polygon.outer);
-    for (const Ring& hole : polygon.holes) look(hole);
-  }
+  for (const Polygon& polygon : result.footprints) for_each_ring(polygon, look);
   return least;
 }
 
