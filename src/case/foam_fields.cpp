@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "core/infinity.h"
 #include "core/median.h"
 #include "foam_dictionaries.h"
 #include "geometry/vec3.h"
@@ -278,7 +278,7 @@ double FoamFields::roughness(const FoamPatch& patch) const {
 
 /// Of the top above the ground along the sides, the mean of it.
 double FoamFields::height_of_top() const {
-  double highest = -std::numeric_limits<double>::infinity(), sum = 0, count = 0;
+  double highest = -kInfinity, sum = 0, count = 0;
   for (const CasePatch& p : patches_) {
     if (p.kind != CasePatch::Kind::kSide) continue;
     for (std::size_t f = p.patch->begin; f < p.patch->end; ++f)

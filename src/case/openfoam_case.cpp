@@ -16,6 +16,7 @@
 #include "tetropolis/io/file/write_file.h"
 
 #include "case_files.h"
+#include "core/is_among.h"
 #include "core/median.h"
 #include "foam_dictionaries.h"
 #include "foam_fields.h"
@@ -73,11 +74,8 @@ void remove_solution(const fs::path& folder) {
                                     "log.decomposePar", "log.reconstructPar", "rose.csv"};
     const std::string stem = entry.path().stem().string(), end = entry.path().extension().string();
     constexpr std::array kPictures = {"pedestrian", "against", "rose", "above", "comfort"};
-    const bool is_picture = (end == ".png" || end == ".pgw") &&
-                            std::find(kPictures.begin(), kPictures.end(), stem) != kPictures.end();
-    if (is_time || is_part || is_picture ||
-        std::find(kOthers.begin(), kOthers.end(), name) != kOthers.end())
-      solved.push_back(entry.path());
+    const bool is_picture = (end == ".png" || end == ".pgw") && is_among(stem, kPictures);
+    if (is_time || is_part || is_picture || is_among(name, kOthers)) solved.push_back(entry.path());
   }
   for (const fs::path& path : solved) fs::remove_all(path, error);
 }
@@ -272,8 +270,7 @@ void require_patches(const FoamMesh& mesh, const OpenfoamCaseOptions& options) {
     if (patch.is_wall && !patch.of_building()) ground.push_back(patch.name);
   const OpenfoamCaseOptions usual;
   for (const auto& [name, value] : options.patch_roughness)
-    if (!usual.patch_roughness.contains(name) &&
-        std::find(ground.begin(), ground.end(), name) == ground.end())
+    if (!usual.patch_roughness.contains(name) && !is_among(name, ground))
       throw Error(ErrorKind::kUsage,
                   fmt::format("patch_roughness: the ground has no patch {}; it has: {}", name,
                               fmt::join(ground, ", ")));

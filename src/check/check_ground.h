@@ -3,12 +3,13 @@
 
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "tetropolis/check/violation.h"
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/volume/column/boundary.h"
+
+#include "core/infinity.h"
 
 namespace tetropolis {
 
@@ -17,10 +18,9 @@ namespace tetropolis {
 /// bounds only.
 struct GroundCheck {
   std::int64_t triangles = 0;
-  double least_angle_deg = std::numeric_limits<double>::infinity();  ///< As written.
+  double least_angle_deg = kInfinity;  ///< As written.
   /// The least angle before rounding is at least and at most this.
-  std::array<double, 2> least_angle_bounds_deg{std::numeric_limits<double>::infinity(),
-                                               std::numeric_limits<double>::infinity()};
+  std::array<double, 2> least_angle_bounds_deg{kInfinity, kInfinity};
   std::int64_t below = 0;  ///< Triangles below the minimum angle less 1e-6 degrees, as written.
   /// Before rounding, at least so many were below that, and at most so many below the minimum.
   std::array<std::int64_t, 2> below_bounds{};

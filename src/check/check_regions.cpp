@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <span>
 
 #include <fmt/format.h>
 
 #include "building_name.h"
+#include "core/infinity.h"
 #include "footprint_grid.h"
 #include "violations.h"
 
@@ -29,7 +29,7 @@ std::vector<Violation> check_regions(const TetMesh& mesh, std::array<double, 3> 
   }
   const auto look = [&](std::size_t begin, std::size_t end, std::vector<Violation>& violations) {
     for (std::size_t c = begin; c < end; ++c) {
-      double x = shift[0], y = shift[1], lowest = std::numeric_limits<double>::infinity();
+      double x = shift[0], y = shift[1], lowest = kInfinity;
       const auto corners = c < mesh.cells.size()
                                ? std::span<const std::int64_t>(mesh.cells[c])
                                : std::span<const std::int64_t>(mesh.wedges[c - mesh.cells.size()]);

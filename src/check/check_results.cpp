@@ -38,6 +38,7 @@
 #include "check_same_surface.h"
 #include "compare_report.h"
 #include "core/files.h"
+#include "core/is_among.h"
 #include "core/text.h"
 #include "describe_checks.h"
 #include "reported_run.h"
@@ -195,8 +196,7 @@ struct Sources {
 /// In the folder, if its report tells of it; where `mesh` has read it; or else in the folder.
 Sources find_sources(const fs::path& folder, const std::optional<ReportedRun>& report) {
   const auto find = [&](const char* name, const fs::path& read) {
-    const bool told = report && std::find(report->report.files.begin(), report->report.files.end(),
-                                          name) != report->report.files.end();
+    const bool told = report && is_among(name, report->report.files);
     if (!told && !read.empty() && is_there(read)) return read;
     return is_there(folder / name) ? folder / name : fs::path();
   };
@@ -423,8 +423,7 @@ void require_listed(const fs::path& folder, const ReportedRun& report,
   const bool has_model = report.report.city || report.report.volume_mesh;
   std::vector<std::string> missing;
   for (const std::string& name : report.report.files)
-    if ((!has_model || std::find(of_models.begin(), of_models.end(), name) != of_models.end()) &&
-        !is_whole(folder / name))
+    if ((!has_model || is_among(name, of_models)) && !is_whole(folder / name))
       missing.push_back(name);
   if (!missing.empty())
     files.push_back({results::kReport,

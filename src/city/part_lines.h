@@ -1,19 +1,20 @@
 // The lines of a building's parts. Private to the library.
 #pragma once
 
-#include <limits>
 #include <span>
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/geometry/types.h"
 
+#include "core/infinity.h"
+
 namespace tetropolis {
 
 struct LineClearance {
   /// Between two corners, or a corner and a line that it is no end of; metres.
-  double distance = std::numeric_limits<double>::infinity();
+  double distance = kInfinity;
   /// Between two lines at a corner, of which one at least is inside the building; radians.
-  double angle = std::numeric_limits<double>::infinity();
+  double angle = kInfinity;
 };
 
 /// Over all edges of the outlines together. Precondition: parts as RoofPart states.

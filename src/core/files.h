@@ -18,4 +18,10 @@ inline bool is_there(const std::filesystem::path& path) {
   return std::filesystem::exists(status);
 }
 
+/// Whether an ordinary file is there, or a link to one; false if that cannot be found out.
+inline bool is_file(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error);
+}
+
 }  // namespace tetropolis

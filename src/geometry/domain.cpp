@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "tetropolis/geometry/polygon.h"
 
+#include "core/infinity.h"
 #include "geometry/predicates.h"
 
 namespace tetropolis {
@@ -36,7 +36,7 @@ Polygon Domain::outline() const { return is_box() ? rectangle(box_) : Polygon{ri
 
 /// From the ring, negative outside of it.
 double Domain::depth(Point2 p) const {
-  double nearest = std::numeric_limits<double>::infinity();
+  double nearest = kInfinity;
   for (std::size_t i = 0, j = ring_.size() - 1; i < ring_.size(); j = i++)
     nearest = std::min(nearest, distance_to_segment(p, ring_[j], ring_[i]));
   return nearest == 0 || tetropolis::contains({ring_, {}}, p) ? nearest : -nearest;

@@ -33,11 +33,6 @@ std::array<Point2, 3> corners(std::span<const Point2> points, const std::array<V
   return {at(points, t[0]), at(points, t[1]), at(points, t[2])};
 }
 
-double angle_between(Point2 apex, Point2 p, Point2 q) {
-  const double ux = p.x - apex.x, uy = p.y - apex.y, vx = q.x - apex.x, vy = q.y - apex.y;
-  return std::abs(std::atan2(ux * vy - uy * vx, ux * vx + uy * vy));
-}
-
 double largest_coordinate(std::span<const Point2> points) {
   double largest = 0;
   for (const Point2& p : points) largest = std::max({largest, std::abs(p.x), std::abs(p.y)});

@@ -28,6 +28,7 @@
 #include "city_input.h"
 #include "city_warnings.h"
 #include "clean_features.h"
+#include "core/infinity.h"
 #include "core/parallel.h"
 #include "elevations.h"
 #include "find_ground.h"
@@ -446,7 +447,7 @@ HeightSources make_raw_city(const BuildCityOptions& options, CityInput& input, S
     ExtractOptions extract = options.extract;
     extract.no_buildings = input.no_buildings;
     // Towers and low wings are outliers of a building's height, but not of its roof.
-    if (options.lod != Lod::kBlock) extract.sigma = std::numeric_limits<double>::infinity();
+    if (options.lod != Lod::kBlock) extract.sigma = kInfinity;
     BuildingPoints extracted =
         extract_building_points(raw.buildings, clean.crossing, cloud, extract, progress);
     forget_roofs_of_planned(raw, extracted);

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <iterator>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +16,7 @@
 
 #include "city/roofs/divide_ground.h"
 #include "city_parts.h"
+#include "core/infinity.h"
 #include "core/parallel.h"
 #include "core/sort_once.h"
 #include "core/units.h"
@@ -299,7 +299,7 @@ double find_scale(const MeshCityOptions& options, const CityModel& city, const S
   const double target = options.target_cells;
   double scale = std::min(estimated_scale(options, size, target), kGreatestStep);
   double low = kLeastScale, high = kGreatestScale;  // too many cells, too few
-  double best = scale, best_error = std::numeric_limits<double>::infinity(), best_cells = 0;
+  double best = scale, best_error = kInfinity, best_cells = 0;
   double last_scale = 0, last_cells = 0, power = 2.5;
   for (int round = 0; round < kMostRounds && high / low > 1 + 1e-4; ++round) {
     const MeshCityOptions trial = scaled(options, scale);

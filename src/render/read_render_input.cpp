@@ -19,6 +19,7 @@
 #include "tetropolis/io/raster/geotiff.h"
 #include "tetropolis/render/render.h"
 
+#include "core/files.h"
 #include "core/text.h"
 #include "scene.h"
 #include "split_prisms.h"
@@ -29,11 +30,6 @@ namespace tetropolis {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool is_file(const fs::path& path) {
-  std::error_code error;
-  return fs::is_regular_file(path, error);
-}
 
 /// Corners at one place become one point.
 SurfaceMesh of_stl(const StlMesh& stl) {

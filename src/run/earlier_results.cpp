@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
-#include <system_error>
 
 #include <nlohmann/json.hpp>
 
+#include "core/files.h"
 #include "result_files.h"
 
 namespace tetropolis {
@@ -25,9 +25,8 @@ std::vector<std::string> names_below(const std::vector<std::string>& listed) {
 
 EarlierRun earlier_run(const fs::path& folder) {
   using Json = nlohmann::json;
-  std::error_code error;
   // A pipe would be waited for.
-  if (!fs::is_regular_file(folder / results::kReport, error)) return {};
+  if (!is_file(folder / results::kReport)) return {};
   std::ifstream file(folder / results::kReport);
   constexpr std::array kOurs = {"version", "command", "steps"};
   const auto keep = [&](int depth, Json::parse_event_t event, Json& part) {

@@ -2,13 +2,13 @@
 
 #include <filesystem>
 #include <string>
-#include <system_error>
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/cityjson/cityjson.h"
 #include "tetropolis/pipeline/meshable.h"
 
+#include "core/files.h"
 #include "result_files.h"
 
 namespace tetropolis {
@@ -40,10 +40,8 @@ bool is_meshable(CityModel city, double min_distance) {
 std::optional<Config> as_footprints(Config& config) {
   const CityModel city = read_city(config.city, nullptr, BrokenObjects::kDrop);
   const bool is_ours = !city.domain.empty() && city.domain.bounds().width() > 0;
-  std::error_code error;
   const fs::path beside = fs::path(config.city).parent_path() / results::kTerrain;
-  if (config.dtm.empty() && is_ours && fs::is_regular_file(beside, error))
-    config.dtm = {beside.string()};
+  if (config.dtm.empty() && is_ours && is_file(beside)) config.dtm = {beside.string()};
   if (!config.dtm.empty() && (is_ours || is_meshable(city, config.min_building_distance)))
     return {};
   Config building = config;

@@ -16,6 +16,7 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/crs/crs.h"
 
+#include "core/files.h"
 #include "core/text.h"
 
 namespace tetropolis {
@@ -28,11 +29,6 @@ bool ends_with_any(const fs::path& path, std::initializer_list<std::string_view>
   const std::string name = lower_case(path.filename().string());
   return std::any_of(endings.begin(), endings.end(),
                      [&](std::string_view ending) { return name.ends_with(ending); });
-}
-
-bool is_file(const fs::path& path) {
-  std::error_code error;
-  return fs::is_regular_file(path, error);
 }
 
 bool has_points_name(const fs::path& path) { return ends_with_any(path, {".las", ".laz"}); }

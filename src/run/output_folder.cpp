@@ -15,6 +15,7 @@
 
 #include "tetropolis/core/error.h"
 
+#include "core/is_among.h"
 #include "core/mix64.h"
 #include "core/sort_once.h"
 #include "earlier_results.h"
@@ -145,8 +146,7 @@ std::vector<std::string> OutputFolder::files() const {
   for (const fs::path& name : results_below(staging_)) names.push_back(name.string());
   const std::vector<fs::path> stay = staying();
   for (const std::string& name : earlier_run(target_).files)
-    if (std::find(stay.begin(), stay.end(), name) != stay.end() && exists_itself(target_ / name))
-      names.push_back(name);
+    if (is_among(name, stay) && exists_itself(target_ / name)) names.push_back(name);
   sort_once(names);
   return names;
 }
@@ -157,7 +157,7 @@ std::vector<fs::path> OutputFolder::staying() const {
   if (replaces_ == Replaces::kAll) return names;
   const std::vector<std::string> models = results::all_names();
   for (const std::string& name : earlier_run(target_).files)
-    if (std::find(models.begin(), models.end(), name) == models.end()) names.emplace_back(name);
+    if (!is_among(name, models)) names.emplace_back(name);
   return names;
 }
 
@@ -212,18 +212,15 @@ void OutputFolder::commit() {
 }
 
 bool is_result(const fs::path& file, const fs::path& out) {
-  const auto is_among = [](const fs::path& name, const std::vector<std::string>& names) {
-    return std::find(names.begin(), names.end(), name.string()) != names.end();
-  };
   const fs::path real = real_path(file);
   if (!out.empty()) {
-    const fs::path name = real.lexically_relative(real_path(out));
-    if (is_among(name, results::all_names()) || results::is_of_synth(name.string())) return true;
+    const std::string name = real.lexically_relative(real_path(out)).string();
+    if (is_among(name, results::all_names()) || results::is_of_synth(name)) return true;
   }
   constexpr int kDeepest = 3;  // constant/polyMesh/points
   fs::path folder = real.parent_path();
   for (int k = 0; k < kDeepest; ++k, folder = folder.parent_path())
-    if (is_among(real.lexically_relative(folder), earlier_run(folder).files)) return true;
+    if (is_among(real.lexically_relative(folder).string(), earlier_run(folder).files)) return true;
   return false;
 }
 

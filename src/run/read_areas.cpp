@@ -1,8 +1,6 @@
 #include "read_areas.h"
 
 #include <algorithm>
-#include <filesystem>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,6 +9,7 @@
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/crs/crs.h"
 
+#include "core/files.h"
 #include "io/vector/model_footprints.h"
 #include "io/vector/osm/osm_elements.h"
 
@@ -47,8 +46,7 @@ void warn_of_areas_outside(const std::string& entry, const Bounds2& areas, const
 
 FootprintsInput read_areas(const std::string& file, const std::string& crs, const Bounds2& domain,
                            bool attributes, std::vector<Warning>& warnings) {
-  std::error_code error;
-  if (std::filesystem::is_regular_file(file, error)) {
+  if (is_file(file)) {
     if (is_osm_file(file))
       throw Error(ErrorKind::kInput,
                   file +

@@ -1,6 +1,5 @@
 #include "read_planned.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <filesystem>
 #include <limits>
@@ -15,6 +14,7 @@
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/core/error.h"
 
+#include "core/is_among.h"
 #include "core/text.h"
 #include "file_and_attribute.h"
 #include "io/file/input_paths.h"
@@ -41,10 +41,9 @@ FootprintsInput read_plan(const fs::path& path, const std::string& height_attrib
     }
   for (std::string* const name :
        {&options.id_attribute, &options.height_attribute, &options.floors_attribute})
-    if (std::find(names.begin(), names.end(), *name) == names.end()) name->clear();
+    if (!is_among(*name, names)) name->clear();
   // A column `height` is the plan's own.
-  if (std::find(names.begin(), names.end(), "height") != names.end())
-    options.height_attribute.clear();
+  if (is_among("height", names)) options.height_attribute.clear();
   if (!height_attribute.empty()) options.height_attribute = height_attribute;
   FootprintsInput planned = read_footprints(path, options);
   if (!planned.crs.empty() || crs_of_others.empty()) return planned;

@@ -13,6 +13,7 @@
 
 #include "tetropolis/core/error.h"
 
+#include "core/is_among.h"
 #include "earlier_results.h"
 #include "folders.h"
 #include "io/file/atomic_file.h"
@@ -31,10 +32,6 @@ constexpr const char* kMovedAside = ".earlier";
 
 /// There, too: the names of the new results, one a line, before any of them is moved.
 constexpr const char* kNewNames = ".new";
-
-bool is_among(const fs::path& name, std::span<const fs::path> names) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
 
 /// A move that failed, of the result `shown`.
 struct MoveFailed {
@@ -182,8 +179,7 @@ void require_no_folder(const fs::path& target, const fs::path& name) {
 void require_ours(const fs::path& target, const std::vector<fs::path>& names) {
   const std::vector<std::string> ours = earlier_run(target).files;
   for (const fs::path& name : names)
-    if (exists_itself(target / name) &&
-        std::find(ours.begin(), ours.end(), name.string()) == ours.end())
+    if (exists_itself(target / name) && !is_among(name.string(), ours))
       throw Error(ErrorKind::kUsage, (target / name).string() +
                                          ": is in the way, and no earlier run has written "
                                          "it; choose another folder with `out`, or add "

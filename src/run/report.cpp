@@ -6,7 +6,6 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
-#include <limits>
 #include <string_view>
 #include <system_error>
 #include <type_traits>
@@ -17,6 +16,7 @@
 
 #include "tetropolis/core/error.h"
 
+#include "core/infinity.h"
 #include "options_of.h"
 #include "report_fields.h"
 #include "result_files.h"
@@ -189,7 +189,7 @@ struct Reader {
     } else if constexpr (std::is_same_v<T, std::string_view>) {
       // A literal of the writer; nobody asks for it.
     } else if constexpr (std::is_same_v<T, double>) {
-      value = from.is_null() ? std::numeric_limits<double>::infinity() : from.get<double>();
+      value = from.is_null() ? kInfinity : from.get<double>();
     } else {
       value = from.template get<T>();
     }

@@ -1,11 +1,12 @@
 // The files that runs leave in their folders: one list for those who write, replace and check them.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "core/is_among.h"
 
 namespace tetropolis {
 
@@ -69,8 +70,7 @@ inline constexpr std::array kOfSynth = {"footprints.shp", "footprints.shx", "foo
                                         "points.laz",     kManifest,        kTruth};
 
 inline bool is_of_synth(std::string_view name) {
-  return std::find(kOfSynth.begin(), kOfSynth.end(), name) != kOfSynth.end() ||
-         (name.starts_with("points_") && name.ends_with(".laz"));
+  return is_among(name, kOfSynth) || (name.starts_with("points_") && name.ends_with(".laz"));
 }
 
 /// Every name a command other than `synth` may give to a result; the report, which vouches for the
@@ -88,8 +88,7 @@ inline std::vector<std::string> of_run(bool city, bool mesh,
   std::vector<std::string> names{std::string(kReport)};
   if (city) names.insert(names.end(), kOfCity.begin(), kOfCity.end());
   for (const ResultFile& file : kOfMesh)
-    if (mesh && (file.format.empty() ||
-                 std::find(formats.begin(), formats.end(), file.format) != formats.end()))
+    if (mesh && (file.format.empty() || is_among(file.format, formats)))
       names.emplace_back(file.name);
   return names;
 }

@@ -11,6 +11,7 @@
 
 #include "tetropolis/io/mesh/mesh_formats.h"
 
+#include "core/is_among.h"
 #include "result_files.h"
 
 namespace tetropolis {
@@ -26,8 +27,7 @@ std::vector<std::string_view> wanted_of(const Config& config,
                                         std::span<const std::string_view> formats) {
   std::vector<std::string_view> wanted;
   for (const std::string_view format : formats)
-    if (std::find(config.formats.begin(), config.formats.end(), format) != config.formats.end())
-      wanted.push_back(format);
+    if (is_among(format, config.formats)) wanted.push_back(format);
   return wanted;
 }
 

@@ -8,6 +8,7 @@
 
 #include "tetropolis/core/error.h"
 
+#include "core/is_among.h"
 #include "defects.h"
 #include "scan.h"
 #include "seeded_random.h"
@@ -112,8 +113,7 @@ bool excluded(std::string_view name, const std::vector<std::string_view>& chosen
   for (const auto& rivals : kRivals) {
     if (std::find(std::begin(rivals), std::end(rivals), name) == std::end(rivals)) continue;
     for (const std::string_view other : rivals)
-      if (!other.empty() && std::find(chosen.begin(), chosen.end(), other) != chosen.end())
-        return true;
+      if (!other.empty() && is_among(other, chosen)) return true;
   }
   return false;
 }
@@ -138,9 +138,7 @@ std::vector<std::string_view> choose(const AdversarialCityOptions& options) {
   const auto wanted = static_cast<std::size_t>(1 + 14 * few * few);
   for (int tries = 0; tries < 1000 && chosen.size() < wanted; ++tries) {
     const std::string_view name = kKinds[random.bits() % kKindCount].name;
-    if (!random.chance(odds(name)) || excluded(name, chosen) ||
-        std::find(chosen.begin(), chosen.end(), name) != chosen.end())
-      continue;
+    if (!random.chance(odds(name)) || excluded(name, chosen) || is_among(name, chosen)) continue;
     chosen.push_back(name);
   }
   return chosen;
@@ -219,7 +217,7 @@ SyntheticScene build_scene(const AdversarialCityOptions& options,
       village(options.size, village_random.uniform(4, 20), village_random);
   for (std::size_t k = 0; k < kKindCount; ++k) {
     const DefectKind& kind = kKinds[k];
-    if (std::find(chosen.begin(), chosen.end(), kind.name) == chosen.end()) continue;
+    if (!is_among(kind.name, chosen)) continue;
     SeededRandom random(options.seed, kDefectStream + k);
     const bool done = change_terrain(kind.name, options.size, scene.terrain, random) ||
                       change_scale(kind.name, city, random);
@@ -255,7 +253,7 @@ AdversarialCity synthetic_adversarial_city(const AdversarialCityOptions& options
       {scan_scene(scene, options.points_per_m2, mix64(options.seed ^ kScanSeed), progress), {}});
   for (std::size_t k = 0; k < kKindCount; ++k) {
     const DefectKind& kind = kKinds[k];
-    if (std::find(chosen.begin(), chosen.end(), kind.name) == chosen.end()) continue;
+    if (!is_among(kind.name, chosen)) continue;
     city.refusable |= kind.refusable;
     city.needs_bounds |= std::string_view(kind.group) == "domain";
     SeededRandom random(options.seed, kDefectStream + k + kKindCount);

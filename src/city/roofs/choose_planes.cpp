@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <map>
 #include <set>
 #include <utility>
@@ -13,6 +12,7 @@
 
 #include "city/roofs/max_flow.h"
 #include "city/roofs/plane_fit.h"
+#include "core/infinity.h"
 #include "core/parallel.h"
 
 namespace tetropolis {
@@ -311,8 +311,8 @@ class MemberLabels {
   const std::vector<CellNumber>& own_;
   std::vector<Sides> sides_;
   double density_;
-  double lowest_ = std::numeric_limits<double>::infinity();
-  double highest_ = -std::numeric_limits<double>::infinity();
+  double lowest_ = kInfinity;
+  double highest_ = -kInfinity;
   std::vector<RoofPlane> planes_;
   std::vector<Bounds2> boxes_;           ///< Per plane: of what it was found at.
   std::vector<std::int32_t> costs_;      ///< Per plane and cell.

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
-#include <limits>
 #include <map>
 #include <numbers>
 #include <set>
@@ -15,6 +14,7 @@
 #include "tetropolis/geometry/polygon.h"
 
 #include "city/roofs/line_conflicts.h"
+#include "core/infinity.h"
 #include "geometry/predicates.h"
 #include "geometry/vec2.h"
 
@@ -26,7 +26,6 @@ using NodeId = Partition::NodeId;
 using EdgeId = Partition::EdgeId;
 using Region = Partition::Region;
 constexpr std::size_t kNone = Partition::kNone;
-constexpr double kFar = std::numeric_limits<double>::infinity();
 
 Point2 between(Point2 a, Point2 b, double t) {
   return {a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t};
@@ -494,7 +493,7 @@ class Clearing {
                            [](const auto& a, const auto& b) { return a.second < b.second; });
       if (least->second >= options_.min_area) return;
       const Region gone = least->first;
-      double best_cost = kFar;
+      double best_cost = kInfinity;
       Region best = Partition::kOutside;
       for (const auto& [other, border] : lines_.neighbours(gone)) {
         const double cost = points_.cost_of_merging(other, gone) - 1e-3 * border;

@@ -1,13 +1,13 @@
 // Joint clearance of all lines of a roof. Private to src/city.
 #pragma once
 
-#include <limits>
 #include <vector>
 
 #include "tetropolis/geometry/types.h"
 
 #include "city/roofs/partition.h"
 #include "city/roofs/region_points.h"
+#include "core/infinity.h"
 
 namespace tetropolis {
 
@@ -16,10 +16,10 @@ namespace tetropolis {
 inline constexpr double kForRounding = 5e-4;
 
 struct ClearLinesOptions {
-  double clearance = 1;   ///< Metres, > 0.
-  double min_area = 2;    ///< Square metres: smaller regions go to a neighbour.
-  double min_angle = 20;  ///< Degrees, between lines that meet.
-  double most_cost = std::numeric_limits<double>::infinity();  ///< Nothing that costs more is done.
+  double clearance = 1;          ///< Metres, > 0.
+  double min_area = 2;           ///< Square metres: smaller regions go to a neighbour.
+  double min_angle = 20;         ///< Degrees, between lines that meet.
+  double most_cost = kInfinity;  ///< Nothing that costs more is done.
   bool polish = true;  ///< Move nodes to where lines fit better, in the end. Not party walls:
                        ///< what stands beside them is no reason to move them.
 };

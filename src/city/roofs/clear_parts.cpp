@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <map>
 #include <set>
 #include <utility>
@@ -22,6 +21,7 @@
 #include "city/roofs/plane_fit.h"
 #include "city/roofs/region_points.h"
 #include "city/roofs/separate_valleys.h"
+#include "core/infinity.h"
 
 namespace tetropolis {
 
@@ -125,7 +125,7 @@ bool clear_parts(Building& building, double clearance) {
   std::vector<Point3> samples;
   std::vector<RoofRegion> region_of;
   std::vector<RegionRoof> roofs;
-  double lowest = std::numeric_limits<double>::infinity();
+  double lowest = kInfinity;
   for (const RoofPart& part : building.parts) {
     lowest = std::min(lowest, range_of(part).low);
     const RoofPlane roof = gentler(part.roof, interior_point(part.outline));

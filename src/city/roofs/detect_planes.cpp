@@ -4,13 +4,13 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <numeric>
 
 #include "tetropolis/core/ragged_array.h"
 #include "tetropolis/ground/triangulation.h"
 
 #include "city/roofs/plane_fit.h"
+#include "core/infinity.h"
 #include "core/ragged_builder.h"
 
 namespace tetropolis {
@@ -83,7 +83,7 @@ class Detection {
   }
 
   void find_seeds() {
-    std::vector<double> roughness(points_.size(), std::numeric_limits<double>::infinity());
+    std::vector<double> roughness(points_.size(), kInfinity);
     local_.resize(points_.size());
     for (std::size_t k = 0; k < points_.size(); ++k) {
       const auto i = static_cast<PointNumber>(k);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -17,6 +16,7 @@
 #include "city/roofs/clear_lines.h"
 #include "city/roofs/partition.h"
 #include "city/roofs/region_points.h"
+#include "core/infinity.h"
 #include "geometry/geos.h"
 #include "geometry/vec2.h"
 
@@ -240,7 +240,7 @@ Surfaces divide_ground(std::span<const SurfaceArea> areas, std::span<const Polyg
   std::optional<Places> places;
   std::optional<RegionPoints> points;
   for (int k = 1;; ++k) {
-    if (k == kTries) options.most_cost = std::numeric_limits<double>::infinity();
+    if (k == kTries) options.most_cost = kInfinity;
     lines.emplace(left, footprints, domain, clearance);
     if (k == 1) result.area_given = lines->given();
     places = places_in(lines->partition(), domain.bounds(), clearance);

@@ -12,6 +12,7 @@
 
 #include "city/grid_geometry.h"
 #include "city/roofs/plane_fit.h"
+#include "core/infinity.h"
 
 namespace tetropolis {
 
@@ -37,7 +38,7 @@ Point2 snap_inside(Point2 p, Point2 a, Point2 b) {
   const Point2 from = grid::to_steps(a), to = grid::to_steps(b);
   const Point2 exact{p.x * grid::kSteps, p.y * grid::kSteps}, middle = grid::to_steps(p);
   Point2 best = middle;
-  double least = std::numeric_limits<double>::infinity();
+  double least = kInfinity;
   for (int dy = -1; dy <= 1; ++dy)
     for (int dx = -1; dx <= 1; ++dx) {
       const Point2 q{middle.x + dx, middle.y + dy};
@@ -214,7 +215,7 @@ class Finishing {
   RoofPlane sloped(const RoofPlane& plane, const std::vector<Point3>& inside, RoofPart& part) {
     constexpr double kNear = 0.5, kBeyond = 0.5;  // metres
     Point2 pivot = centroid(part.outline);
-    double low = std::numeric_limits<double>::infinity(), high = -low, x = 0, y = 0, count = 0;
+    double low = kInfinity, high = -low, x = 0, y = 0, count = 0;
     for (const Point3& p : inside) {
       if (std::abs(height_above(plane, p)) > kNear) continue;
       low = std::min(low, p[2]);
@@ -243,12 +244,12 @@ class Finishing {
   }
 
   void raise(RoofPlane& roof, const Polygon& outline, FinishedPart& finished) const {
-    double lowest = std::numeric_limits<double>::infinity();
+    double lowest = kInfinity;
     for_each_edge(outline, [&](Point2 p, Point2) { lowest = std::min(lowest, roof(p)); });
     if (lowest >= options_.lowest) return;
     finished.raised = true;
     const Point2 middle = centroid(outline);
-    roof = tamed(roof, middle, outline, options_.lowest, std::numeric_limits<double>::infinity());
+    roof = tamed(roof, middle, outline, options_.lowest, kInfinity);
   }
 
   const RoofInput& input_;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <initializer_list>
-#include <limits>
 #include <map>
 #include <set>
 #include <tuple>
@@ -13,6 +12,7 @@
 #include "tetropolis/city/heights.h"
 
 #include "city/roofs/plane_fit.h"
+#include "core/infinity.h"
 
 namespace tetropolis {
 
@@ -121,24 +121,23 @@ class Joining {
 
   /// What joining costs; infinity where the two are not to be joined.
   double cost(RoofRegion a, RoofRegion b, double border) {
-    constexpr double kNever = std::numeric_limits<double>::infinity();
     if (options_.lod == Lod::k1_3) {
-      if (roof(a).member != roof(b).member) return kNever;
+      if (roof(a).member != roof(b).member) return kInfinity;
       const double step = std::abs(roof(a).plane.elevation - roof(b).plane.elevation);
-      return step < kStep ? step : kNever;
+      return step < kStep ? step : kInfinity;
     }
     if (options_.lod != Lod::k2_2 || roof(a).lod != Lod::k2_2 || roof(b).lod != Lod::k2_2)
-      return kNever;
+      return kInfinity;
     const PlaneFit first = fit_of(a, roof(a).plane.at), second = fit_of(b, roof(a).plane.at);
-    if (first.count() < 5 || second.count() < 5) return kNever;
+    if (first.count() < 5 || second.count() < 5) return kInfinity;
     PlaneFit both = first;
     both += second;
-    if (slope_of(both.plane()) > kMaxRoofSlope) return kNever;
+    if (slope_of(both.plane()) > kMaxRoofSlope) return kInfinity;
     const double worse =
         (both.sum_of_squares() - first.sum_of_squares() - second.sum_of_squares()) /
         std::max(input_.density(index(roof(a).member)), input_.density(index(roof(b).member)));
     const double rate = worse / border;
-    return rate < kJoinCost ? rate : kNever;
+    return rate < kJoinCost ? rate : kInfinity;
   }
 
   void queue_pairs(RoofRegion r) {
@@ -176,7 +175,7 @@ class Joining {
           least = static_cast<RoofRegion>(r);
       if (least < 0) return;
       RoofRegion best = -1;
-      double best_cost = std::numeric_limits<double>::infinity();
+      double best_cost = kInfinity;
       for (const auto& [other, border] : borders_[index(least)]) {
         const double c =
             misfit(roof(other).plane, least) / input_.density(index(roof(least).member)) -

@@ -1,10 +1,12 @@
 #include "city/roofs/line_conflicts.h"
 
 #include <cmath>
-#include <limits>
 #include <set>
 
 #include "tetropolis/geometry/polygon.h"
+
+#include "core/infinity.h"
+#include "geometry/vec2.h"
 
 namespace tetropolis {
 
@@ -13,14 +15,8 @@ namespace {
 using NodeId = Partition::NodeId;
 using EdgeId = Partition::EdgeId;
 constexpr std::size_t kNone = Partition::kNone;
-constexpr double kFar = std::numeric_limits<double>::infinity();
 
 }  // namespace
-
-double angle_between(Point2 at, Point2 p, Point2 q) {
-  const double ux = p.x - at.x, uy = p.y - at.y, vx = q.x - at.x, vy = q.y - at.y;
-  return std::abs(std::atan2(ux * vy - uy * vx, ux * vx + uy * vy));
-}
 
 bool LineConflicts::can_move(EdgeId e) const {
   const Partition::Edge& edge = lines_.edge(e);
@@ -35,21 +31,21 @@ bool LineConflicts::is_short(EdgeId e) const {
 double LineConflicts::nearness(NodeId n, EdgeId e) const {
   const Partition::Edge& edge = lines_.edge(e);
   const Partition::Node& node = lines_.node(n);
-  if (edge.has(n) || (edge.is_outline() && node.corner && !can_move(e))) return kFar;
+  if (edge.has(n) || (edge.is_outline() && node.corner && !can_move(e))) return kInfinity;
   const Point2 p = node.p, a = lines_.at(edge.a), b = lines_.at(edge.b);
   const double d = distance_to_segment(p, a, b);
-  if (!(d < clearance_)) return kFar;
+  if (!(d < clearance_)) return kInfinity;
   for (const NodeId end : {edge.a, edge.b}) {
     const EdgeId common = lines_.edge_between(n, end);
     if (common == kNone) continue;
     // Near for its end alone, or for an edge that is too short itself.
-    if (nearest_on_segment(p, a, b) == lines_.at(end) || is_short(common)) return kFar;
+    if (nearest_on_segment(p, a, b) == lines_.at(end) || is_short(common)) return kInfinity;
   }
   return d;
 }
 
 double LineConflicts::angle(NodeId n, EdgeId e, EdgeId f) const {
-  if (lines_.edge(e).is_outline() && lines_.edge(f).is_outline()) return kFar;
+  if (lines_.edge(e).is_outline() && lines_.edge(f).is_outline()) return kInfinity;
   return angle_between(lines_.at(n), lines_.at(lines_.edge(e).other(n)),
                        lines_.at(lines_.edge(f).other(n)));
 }

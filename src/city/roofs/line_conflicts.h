@@ -11,9 +11,6 @@
 
 namespace tetropolis {
 
-/// Between two directions from a place, radians.
-double angle_between(Point2 at, Point2 p, Point2 q);
-
 /// A node too near to an edge; without a node, an edge too short; with a second edge, two that meet
 /// at too small an angle at the node.
 struct LineConflict {

@@ -1,12 +1,15 @@
 #include "city/roofs/partition.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <utility>
 
 #include "tetropolis/geometry/polygon.h"
 
+#include "core/infinity.h"
+#include "core/is_among.h"
 #include "geometry/predicates.h"
 #include "geometry/vec2.h"
 
@@ -16,16 +19,6 @@ namespace {
 
 /// Lines nearer to each other than a millimetre touch.
 constexpr double kTouch = 1e-3;
-
-Bounds2 box_around(std::initializer_list<Point2> points) {
-  Bounds2 box = Bounds2::nothing();
-  for (const Point2 p : points) box.extend(p);
-  return box;
-}
-
-bool is_among(std::size_t id, std::span<const std::size_t> ids) {
-  return std::find(ids.begin(), ids.end(), id) != ids.end();
-}
 
 bool touch(Point2 p, Point2 q, Point2 a, Point2 b) {
   return distance_to_segment(a, p, q) < kTouch || distance_to_segment(b, p, q) < kTouch ||
@@ -109,7 +102,7 @@ Partition::EdgeId Partition::edge_between(NodeId a, NodeId b) const {
 bool Partition::is_free(Point2 p, Point2 q, NodeId n, NodeId m,
                         std::span<const EdgeId> ignored) const {
   bool free = true;
-  for_each_edge_near(box_around({p, q}).grown(kTouch), [&](EdgeId e) {
+  for_each_edge_near(bounds(std::array{p, q}).grown(kTouch), [&](EdgeId e) {
     if (!free || is_among(e, ignored)) return;
     const Edge& edge = edges_[e];
     if (edge.has(n) && edge.has(m))
@@ -127,7 +120,7 @@ bool Partition::is_free(Point2 p, Point2 q, NodeId n, NodeId m,
 bool Partition::is_empty(Point2 a, Point2 b, Point2 c,
                          std::initializer_list<NodeId> ignored) const {
   if (orient2d(a, b, c) < 0) std::swap(b, c);
-  const Bounds2 box = box_around({a, b, c});
+  const Bounds2 box = bounds(std::array{a, b, c});
   bool empty = true;
   for_each_edge_near(box, [&](EdgeId e) {
     for (const NodeId n : {edges_[e].a, edges_[e].b}) {
@@ -449,7 +442,7 @@ std::vector<Partition::Region> Partition::split_regions(Region next) {
 
 Partition::Region Partition::region_at(Point2 p) const {
   // The first edge that the ray to the right crosses.
-  double nearest = std::numeric_limits<double>::infinity();
+  double nearest = kInfinity;
   Region found = kOutside;
   const double y = p.y;
   for (double from = p.x; from <= box_.xmax && found == kOutside && nearest > 1e300;

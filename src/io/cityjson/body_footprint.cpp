@@ -145,12 +145,6 @@ std::vector<const Face*> ground_faces(const std::vector<Face>& faces) {
   return ground;
 }
 
-double total_area(const std::vector<Polygon>& polygons) {
-  double sum = 0;
-  for (const Polygon& polygon : polygons) sum += area(polygon);
-  return sum;
-}
-
 /// Whether walls stand all around these grounds, and nowhere else: what a roof has beyond them are
 /// eaves, however wide. `faces`: of the building; `grounds`: disjoint, not above `level`.
 bool is_walled(const std::vector<Polygon>& grounds, double level, const std::vector<Face>& faces) {

@@ -16,6 +16,7 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/crs/metric_crs.h"
 
+#include "core/is_among.h"
 #include "core/text.h"
 #include "gdal_support.h"
 
@@ -49,8 +50,7 @@ bool is_definition(std::string_view text) {
   if (address < text.find_first_of("[{") &&
       text.find("opengis.net/def/crs") > address + std::string_view("://www.").size())
     return false;
-  return text.find_first_of(":[{=") != std::string_view::npos ||
-         std::find(kNames.begin(), kNames.end(), text) != kNames.end();
+  return text.find_first_of(":[{=") != std::string_view::npos || is_among(text, kNames);
 }
 
 /// A local system (of a site, a drawing) says nothing but its unit, which matters unless it is the
@@ -313,7 +313,7 @@ double length_scale(const std::string& crs, Point2 at) {
   std::array<double, 4> y{at.y, at.y, at.y - kHalf, at.y + kHalf};
   std::array<int, 4> good{};
   OCTTransformEx(transform.get(), 4, x.data(), y.data(), nullptr, good.data());
-  if (std::find(good.begin(), good.end(), 0) != good.end()) return kNaN;
+  if (is_among(0, good)) return kNaN;
   const double unit = OSRGetAngularUnits(globe.get(), nullptr);
   const double axis = OSRGetSemiMajor(globe.get(), nullptr);
   const double inverse = OSRGetInvFlattening(globe.get(), nullptr);

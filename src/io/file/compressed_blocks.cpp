@@ -1,12 +1,10 @@
 #include "compressed_blocks.h"
 
 #include <algorithm>
-#include <new>
 #include <utility>
 
-#include <zlib.h>
-
 #include "core/parallel.h"
+#include "deflate.h"
 
 namespace tetropolis {
 
@@ -24,17 +22,6 @@ std::string shuffled(std::string_view block, std::size_t width) {
   const std::size_t count = block.size() / width;
   for (std::size_t byte = 0; byte < width; ++byte)
     for (std::size_t i = 0; i < count; ++i) result[byte * count + i] = block[i * width + byte];
-  return result;
-}
-
-std::string compressed(std::string_view block) {
-  uLongf size = compressBound(block.size());
-  std::string result(size, '\0');
-  // It fails for lack of memory only.
-  if (compress2(reinterpret_cast<Bytef*>(result.data()), &size,
-                reinterpret_cast<const Bytef*>(block.data()), block.size(), kLevel) != Z_OK)
-    throw std::bad_alloc();
-  result.resize(size);
   return result;
 }
 
@@ -68,8 +55,8 @@ void CompressedBlocks::compress_pending(std::size_t bytes) {
   parallel_chunks(bytes, size, [&](std::size_t begin, std::size_t end) {
     const std::string_view block = all.substr(begin, end - begin);
     blocks_[begin / size] = options_.shuffled_width > 0
-                                ? compressed(shuffled(block, options_.shuffled_width))
-                                : compressed(block);
+                                ? deflated(shuffled(block, options_.shuffled_width), kLevel)
+                                : deflated(block, kLevel);
   });
   for (std::size_t b = 0; b * size < bytes; ++b) use_(blocks_[b]);
   pending_.clear();

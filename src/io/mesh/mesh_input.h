@@ -1,7 +1,6 @@
 // What the readers of meshes share.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -13,6 +12,8 @@
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/ground/surfaces.h"
 #include "tetropolis/volume/column/boundary.h"
+
+#include "core/is_among.h"
 
 namespace tetropolis {
 
@@ -45,9 +46,7 @@ void set_patches(const std::vector<std::int32_t>& numbers, const PatchNames& nam
     if (!surface.patches.contains(patch)) {
       const auto name = names.find(numbers[f]);
       const bool is_named = name != names.end();
-      const bool is_surface =
-          is_named && std::find(kSurfaceKindNames.begin(), kSurfaceKindNames.end(), name->second) !=
-                          kSurfaceKindNames.end();
+      const bool is_surface = is_named && is_among(name->second, kSurfaceKindNames);
       surface.patches.add({patch, is_named ? name->second : "patch" + number,
                            is_surface ? PatchKind::kGround : PatchKind::kOther});
     }

@@ -4,19 +4,18 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <new>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
-#include <zlib.h>
 
 #include "tetropolis/city/roof_summary.h"
 #include "tetropolis/core/version.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "core/parallel.h"
+#include "io/file/deflate.h"
 #include "page_columns.h"
 #include "page_template.h"
 
@@ -41,17 +40,6 @@ std::string base64(std::string_view bytes) {
     for (std::size_t k = 0; k <= count; ++k) text[at + k] = digits[group >> (18 - 6 * k) & 63U];
   }
   return text;
-}
-
-std::string deflated(std::string_view bytes) {
-  uLongf size = compressBound(bytes.size());
-  std::string result(size, '\0');
-  // It fails for lack of memory only.
-  if (compress2(reinterpret_cast<Bytef*>(result.data()), &size,
-                reinterpret_cast<const Bytef*>(bytes.data()), bytes.size(), kLevel) != Z_OK)
-    throw std::bad_alloc();
-  result.resize(size);
-  return result;
 }
 
 /// The lowest bytes of all numbers first, then the second ones, and so on; small numbers of either
@@ -84,7 +72,7 @@ class Payload {
   std::string text() {
     parallel_chunks(blocks_.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
-        if (!blocks_[i].is_packed) blocks_[i].bytes = base64(deflated(blocks_[i].bytes));
+        if (!blocks_[i].is_packed) blocks_[i].bytes = base64(deflated(blocks_[i].bytes, kLevel));
     });
     std::string text;
     for (const Block& block : blocks_)
@@ -108,8 +96,7 @@ class PolygonWriter {
  public:
   void add(const Polygon& polygon) {
     rings_.push_back(1 + static_cast<std::int32_t>(polygon.holes.size()));
-    add(polygon.outer);
-    for (const Ring& hole : polygon.holes) add(hole);
+    for_each_ring(polygon, [&](const Ring& ring) { add(ring); });
   }
   void write(Payload& payload, const std::array<const char*, 4>& names) const {
     const std::array arrays{&rings_, &points_, &x_, &y_};

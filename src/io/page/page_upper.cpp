@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/is_among.h"
 #include "page_columns.h"
 
 namespace tetropolis {
@@ -171,9 +172,7 @@ class SplitWriter {
 
  private:
   using Corners = std::array<VertexIndex, 3>;
-  bool has_edge(VertexIndex a, VertexIndex b) const {
-    return std::find(edges_.begin(), edges_.end(), std::pair(a, b)) != edges_.end();
-  }
+  bool has_edge(VertexIndex a, VertexIndex b) const { return is_among(std::pair(a, b), edges_); }
   bool is_cover(VertexIndex a, VertexIndex b, VertexIndex c) const;
   void find_ring();
   void split(std::size_t i, std::size_t j);

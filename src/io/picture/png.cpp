@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <fstream>
 #include <limits>
-#include <new>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -18,6 +17,7 @@
 #include "tetropolis/io/file/write_file.h"
 
 #include "core/parallel.h"
+#include "io/file/deflate.h"
 
 namespace tetropolis {
 
@@ -106,13 +106,6 @@ void write_png(const std::filesystem::path& path, const Picture& picture) {
                  y == 0 ? nullptr : picture.rgb.data() + (y - 1) * row, row,
                  raw.data() + y * (row + 1));
   });
-  uLongf size = compressBound(raw.size());
-  std::string data(size, '\0');
-  // It fails for lack of memory only.
-  if (compress2(reinterpret_cast<Bytef*>(data.data()), &size,
-                reinterpret_cast<const Bytef*>(raw.data()), raw.size(), kLevel) != Z_OK)
-    throw std::bad_alloc();
-  data.resize(size);
   std::string header;
   add_number(header, static_cast<std::uint32_t>(picture.width));
   add_number(header, static_cast<std::uint32_t>(picture.height));
@@ -121,7 +114,7 @@ void write_png(const std::filesystem::path& path, const Picture& picture) {
   std::string file(kSignature);
   add_chunk(file, "IHDR", header);
   add_chunk(file, "sRGB", std::string_view("\0", 1));
-  add_chunk(file, "IDAT", data);
+  add_chunk(file, "IDAT", deflated(raw, kLevel));
   add_chunk(file, "IEND", "");
   write_file(path, file);
 }

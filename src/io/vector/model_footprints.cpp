@@ -6,7 +6,6 @@
 #include <fstream>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -15,6 +14,7 @@
 #include "tetropolis/io/cityjson/cityjson.h"
 #include "tetropolis/io/crs/crs.h"
 
+#include "core/files.h"
 #include "core/text.h"
 #include "io/cityjson/citygml.h"
 #include "vector_geometry.h"
@@ -24,8 +24,7 @@ namespace tetropolis {
 namespace fs = std::filesystem;
 
 bool is_city_model(const fs::path& path) {
-  std::error_code error;
-  if (!fs::is_regular_file(path, error)) return false;
+  if (!is_file(path)) return false;
   const std::string name = lower_case(path.filename().string());
   if (name.ends_with(".gml") || name.ends_with(".xml") || name.ends_with(".citygml"))
     return is_citygml(path);

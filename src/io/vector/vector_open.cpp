@@ -1,6 +1,5 @@
 #include "vector_open.h"
 
-#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <fstream>
@@ -13,6 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/is_among.h"
 #include "core/text.h"
 #include "io/file/input_file.h"
 #include "io/vector/osm/osm_buildings.h"
@@ -36,12 +36,9 @@ int rank_of_member(const std::string& name) {
       ".gml", ".kml",  ".sqlite",  ".tab",      ".mif",      ".osm", ".pbf"};
   constexpr std::array<std::string_view, 5> kPerhaps{".xml", ".csv", ".tsv", ".dxf", ".ndjson"};
   const std::string extension = lower_case(fs::path(name).extension().string());
-  const auto is_among = [&](const auto& list) {
-    return std::find(list.begin(), list.end(), extension) != list.end();
-  };
-  if (is_among(kVector)) return 0;
+  if (is_among(extension, kVector)) return 0;
   if (extension == ".json") return 1;
-  return is_among(kPerhaps) ? 2 : 3;
+  return is_among(extension, kPerhaps) ? 2 : 3;
 }
 
 /// The name for GDAL of the only vector file in a ZIP archive, wherever it lies in there.
@@ -64,7 +61,7 @@ std::string vector_in_archive(const fs::path& path, const gdal::QuietErrors& err
     if (rank > best) continue;
     if (rank < best) found.clear();
     best = rank;
-    if (std::find(found.begin(), found.end(), name) == found.end()) found.push_back(name);
+    if (!is_among(name, found)) found.push_back(name);
   }
   CSLDestroy(members);
   if (members == nullptr)

@@ -14,6 +14,7 @@
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/geometry/types.h"
 
+#include "core/is_among.h"
 #include "core/text.h"
 #include "io/file/input_file.h"
 #include "io/vector/polygon_geometry.h"
@@ -186,8 +187,7 @@ std::vector<Polygon> polygons_of(std::vector<Ring> rings) {
   const auto within = [&](std::size_t a, std::size_t b) {
     if (a == b || !(area(alone[a]) < area(alone[b]))) return false;
     return std::all_of(rings[a].begin(), rings[a].end(), [&](const Point2& p) {
-      return contains(alone[b], p) ||
-             std::find(rings[b].begin(), rings[b].end(), p) != rings[b].end();
+      return contains(alone[b], p) || is_among(p, rings[b]);
     });
   };
   std::vector<Polygon> polygons;
@@ -386,8 +386,7 @@ class Assembly {
         return std::all_of(way->nodes.begin(), way->nodes.end(), [&](std::int64_t node) {
           const Point2* place = source_.place(node);
           return place == nullptr ||  // missing in the outline, too
-                 std::find(polygon.outer.begin(), polygon.outer.end(), *place) !=
-                     polygon.outer.end();
+                 is_among(*place, polygon.outer);
         });
       };
       if (std::any_of(polygons.begin(), polygons.end(), is_around)) outer.push_back(id);

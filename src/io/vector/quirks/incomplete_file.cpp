@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "core/files.h"
 #include "core/text.h"
 #include "io/file/positioned_file.h"
 
@@ -59,8 +60,7 @@ std::string why_incomplete(const fs::path& path) {
   const std::string extension = lower_case(path.extension().string());
   const bool is_json = extension == ".json" || extension == ".geojson";
   const bool is_xml = extension == ".gml" || extension == ".xml";
-  std::error_code error;
-  if ((!is_json && !is_xml) || !fs::is_regular_file(path, error)) return {};
+  if ((!is_json && !is_xml) || !is_file(path)) return {};
   const PositionedFile file(path);
   std::string text = file.head(kEnd);
   if (file.size() > kEnd) {
