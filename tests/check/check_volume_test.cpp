@@ -24,7 +24,7 @@
 #include "support/prism_city.h"
 #include "support/small_city.h"
 #include "support/test_data.h"
-#include "volume/quality/tet_shape.h"
+#include "support/tet_shape.h"
 
 namespace tetropolis {
 namespace {
@@ -40,11 +40,11 @@ class CheckVolume : public ::testing::Test {
     const auto lists = testing::explicit_mesh(city.mesh);
     mesh = {lists.points, lists.cells, lists.region};
   }
-  TetShape shape(std::size_t c) const {
+  testing::TetShape shape(std::size_t c) const {
     const auto p = [&](std::size_t i) {
       return mesh.points[static_cast<std::size_t>(mesh.cells[c][i])];
     };
-    return tet_shape(p(0), p(1), p(2), p(3));
+    return testing::tet_shape(p(0), p(1), p(2), p(3));
   }
   std::size_t any_cell() {
     return std::uniform_int_distribution<std::size_t>(0, mesh.cells.size() - 1)(random);

@@ -31,24 +31,6 @@ struct Scene {
   PointCloud cloud;
 };
 
-Ring star(std::mt19937& random, Point2 centre, int vertices, double smallest, double largest) {
-  std::uniform_real_distribution<double> radius(smallest, largest);
-  Ring ring;
-  for (int k = 0; k < vertices; ++k) {
-    const double angle = 2 * M_PI * k / vertices;
-    const double r = radius(random);
-    ring.push_back({centre.x + r * std::cos(angle), centre.y + r * std::sin(angle)});
-  }
-  return ring;
-}
-
-void add(PointCloud& cloud, double x, double y, double z, std::uint8_t code) {
-  cloud.x.push_back(x);
-  cloud.y.push_back(y);
-  cloud.z.push_back(z);
-  cloud.classification.push_back(code);
-}
-
 /// Overlapping stars of all sizes, some with courtyards, in a cloud of the given classes that is
 /// wider than the footprints.
 Scene random_scene(int footprints, int points, const std::vector<std::uint8_t>& classes) {
@@ -58,13 +40,16 @@ Scene random_scene(int footprints, int points, const std::vector<std::uint8_t>& 
   for (int k = 0; k < footprints; ++k) {
     const Point2 centre{coordinate(random), coordinate(random)};
     const double size = k % 10 == 0 ? 60 : 6;
-    Polygon footprint{star(random, centre, k % 7 == 0 ? 300 : 4 + k % 9, 0.6 * size, size), {}};
-    if (k % 3 == 0) footprint.holes.push_back(star(random, centre, 5, 0.2 * size, 0.5 * size));
+    Polygon footprint{
+        testing::random_star(random, centre, k % 7 == 0 ? 300 : 4 + k % 9, 0.6 * size, size), {}};
+    if (k % 3 == 0)
+      footprint.holes.push_back(testing::random_star(random, centre, 5, 0.2 * size, 0.5 * size));
     scene.footprints.push_back(footprint);
   }
   std::uniform_real_distribution<double> wide(-180, 180);
   for (int k = 0; k < points; ++k)
-    add(scene.cloud, wide(random), wide(random), wide(random), classes[random() % classes.size()]);
+    scene.cloud.push_back(wide(random), wide(random), wide(random),
+                          classes[random() % classes.size()]);
   return scene;
 }
 
@@ -150,13 +135,13 @@ TEST(Extract, TheWallOfANeighbourIsNoCrown) {
   const Polygon house{{{0, 0}, {10, 0}, {10, 8}, {0, 8}}, {}};
   const Polygon tower{{{10, 0}, {30, 0}, {30, 8}, {10, 8}}, {}};
   PointCloud cloud;
-  for (int k = 0; k < 400; ++k) add(cloud, 10 * share(random), 8 * share(random), 6, 1);
-  for (int k = 0; k < 2500; ++k) add(cloud, 10 + 20 * share(random), 8 * share(random), 20, 1);
+  for (int k = 0; k < 400; ++k) cloud.push_back(10 * share(random), 8 * share(random), 6, 1);
+  for (int k = 0; k < 2500; ++k) cloud.push_back(10 + 20 * share(random), 8 * share(random), 20, 1);
   for (int k = 0; k < 200; ++k)
-    add(cloud, -3 + 2 * share(random), 8 * share(random), 20 * share(random), 1);
+    cloud.push_back(-3 + 2 * share(random), 8 * share(random), 20 * share(random), 1);
   const std::size_t first = cloud.size();
   for (int k = 0; k < 30; ++k)
-    add(cloud, 10 - 0.1 * share(random), 8 * share(random), 6 + 13 * share(random), 1);
+    cloud.push_back(10 - 0.1 * share(random), 8 * share(random), 6 + 13 * share(random), 1);
   const auto walls_kept = [&](const BuildingPoints& points) {
     return std::count_if(points.roof[0].begin(), points.roof[0].end(),
                          [&](PointIndex p) { return p >= first; });
@@ -174,10 +159,10 @@ TEST(Extract, TheWallOfANeighbourIsNoCrown) {
 
 TEST(Extract, TheFloorOfAYardIsNoRoof) {
   Scene scene{{{{{0, 0}, {10, 0}, {10, 10}, {0, 10}}, {}}}, {}};
-  for (int k = 0; k < 10; ++k) add(scene.cloud, -0.5, k, 3, 2);  // 0 to 9
-  add(scene.cloud, 5, 5, 3.4, 1);                                // 10: in the yard,
-  add(scene.cloud, 6, 5, 1, 1);                                  // 11: sunken,
-  for (int k = 0; k < 3; ++k) add(scene.cloud, 2, k + 1, 8, 1);  // 12 to 14: the roof.
+  for (int k = 0; k < 10; ++k) scene.cloud.push_back(-0.5, k, 3, 2);  // 0 to 9
+  scene.cloud.push_back(5, 5, 3.4, 1);                                // 10: in the yard,
+  scene.cloud.push_back(6, 5, 1, 1);                                  // 11: sunken,
+  for (int k = 0; k < 3; ++k) scene.cloud.push_back(2, k + 1, 8, 1);  // 12 to 14: the roof.
   EXPECT_EQ(to_vector(extract_building_points(scene.footprints, scene.cloud).roof[0]),
             (std::vector<PointIndex>{12, 13, 14}));
   // With class 6 the classes are believed.
@@ -188,9 +173,9 @@ TEST(Extract, TheFloorOfAYardIsNoRoof) {
 
 TEST(Extract, OneClassSixPointAmongFewSettlesIt) {
   Scene scene{{{{{0, 0}, {10, 0}, {10, 10}, {0, 10}}, {}}}, {}};
-  add(scene.cloud, 5, 5, 20, 1);
+  scene.cloud.push_back(5, 5, 20, 1);
   EXPECT_EQ(extract_building_points(scene.footprints, scene.cloud).roof[0].size(), 1U);
-  add(scene.cloud, 500, 500, 20, 6);
+  scene.cloud.push_back(500, 500, 20, 6);
   const BuildingPoints points = extract_building_points(scene.footprints, scene.cloud);
   EXPECT_EQ(points.by_exclusion, std::vector<std::uint8_t>{0});
   EXPECT_TRUE(points.roof[0].empty());
@@ -199,8 +184,8 @@ TEST(Extract, OneClassSixPointAmongFewSettlesIt) {
 TEST(Extract, AFewStrayPointsOfClassSixDoNot) {
   for (const int strays : {1, 7, 8}) {
     Scene scene{{{{{0, 0}, {10, 0}, {10, 10}, {0, 10}}, {}}}, {}};
-    for (int k = 0; k < 9000; ++k) add(scene.cloud, 5, 5, 20, 1);
-    for (int k = 0; k < strays; ++k) add(scene.cloud, 500, 500, 20, 6);
+    for (int k = 0; k < 9000; ++k) scene.cloud.push_back(5, 5, 20, 1);
+    for (int k = 0; k < strays; ++k) scene.cloud.push_back(500, 500, 20, 6);
     const BuildingPoints points = extract_building_points(scene.footprints, scene.cloud);
     EXPECT_EQ(points.by_exclusion[0], strays < 8 ? 1 : 0) << strays;
     EXPECT_EQ(points.roof[0].size(), strays < 8 ? 9000U : 0U) << strays;
@@ -210,10 +195,10 @@ TEST(Extract, AFewStrayPointsOfClassSixDoNot) {
 TEST(Extract, WhatAgenciesKeepApartOfGroundAndWaterIsNoRoof) {
   Scene scene{{{{{0, 0}, {10, 0}, {10, 10}, {0, 10}}, {}}}, {}};
   for (const std::uint8_t code : {2, 3, 5, 7, 8, 9, 10, 11, 13, 17, 18, 20, 40, 41, 45})
-    add(scene.cloud, 5, 5, 20, code);
+    scene.cloud.push_back(5, 5, 20, code);
   EXPECT_TRUE(extract_building_points(scene.footprints, scene.cloud).roof[0].empty());
   for (const std::uint8_t code : {0, 1, 12, 19, 21, 26, 39, 46, 255})
-    add(scene.cloud, 5, 5, 20, code);
+    scene.cloud.push_back(5, 5, 20, code);
   EXPECT_EQ(extract_building_points(scene.footprints, scene.cloud).roof[0].size(), 9U);
 }
 
@@ -224,8 +209,8 @@ TEST(Extract, RoofsInFilesWithoutTheClassAreByExclusion) {
   ExtractOptions options;
   const auto house = [&](double x, double y, std::uint8_t code, int points, double z) {
     scene.footprints.push_back({{{x, y}, {x + 10, y}, {x + 10, y + 10}, {x, y + 10}}, {}});
-    for (int k = 0; k < points; ++k) add(scene.cloud, x + 2 + k % 5, y + 2 + k / 5, z, code);
-    for (int k = 0; k < 5; ++k) add(scene.cloud, x - 0.5, y + 2 * k, 0, 2);
+    for (int k = 0; k < points; ++k) scene.cloud.push_back(x + 2 + k % 5, y + 2 + k / 5, z, code);
+    for (int k = 0; k < 5; ++k) scene.cloud.push_back(x - 0.5, y + 2 * k, 0, 2);
   };
   for (int k = 0; k < 20; ++k) {
     const bool gone = k == 7;
@@ -234,7 +219,8 @@ TEST(Extract, RoofsInFilesWithoutTheClassAreByExclusion) {
   const std::size_t seam = scene.cloud.size();
   for (int k = 0; k < 20; ++k) house(100 + 20 * (k % 5), 20 * (k / 5), 1, k == 3 ? 0 : 25, 9);
   options.no_buildings = {{seam, scene.cloud.size()}};
-  for (int k = 0; k < 9; ++k) add(scene.cloud, 102 + k, 1, 9, 6);  // of the first in the second
+  for (int k = 0; k < 9; ++k)
+    scene.cloud.push_back(102 + k, 1, 9, 6);  // of the first in the second
   const BuildingPoints points = extract_building_points(scene.footprints, scene.cloud, options);
   for (std::size_t b = 0; b < 40; ++b) {
     const bool second = b >= 20, empty = b == 23;
@@ -259,11 +245,11 @@ TEST(Extract, ACleanRoofWithoutTheClassIsARoof) {
     scene.footprints.push_back(testing::rectangle(x, 0, x + 10, 10));
     for (int k = 0; k < points; ++k) {
       const double u = within(random), v = within(random);
-      add(scene.cloud, x + u, v, height(u, v) + noise(random), code);
+      scene.cloud.push_back(x + u, v, height(u, v) + noise(random), code);
     }
     for (int k = 0; k < ground_inside; ++k)
-      add(scene.cloud, x + within(random), within(random), noise(random), kGround);
-    for (int k = 0; k < 20; ++k) add(scene.cloud, x - 0.5, 0.5 * k, noise(random), kGround);
+      scene.cloud.push_back(x + within(random), within(random), noise(random), kGround);
+    for (int k = 0; k < 20; ++k) scene.cloud.push_back(x - 0.5, 0.5 * k, noise(random), kGround);
     return scene.footprints.size() - 1;
   };
   const auto gable = [](double, double v) { return 9 - 0.7 * std::abs(v - 5); };
@@ -296,19 +282,13 @@ TEST(Extract, ACleanRoofWithoutTheClassIsARoof) {
 TEST(Extract, WithAWordOnClassesAFarPlaceChangesNothing) {
   const std::vector<Polygon> here{testing::rectangle(0, 0, 10, 10)};
   PointCloud cloud;
-  const auto add = [&](double x, double y, double z, std::uint8_t code) {
-    cloud.x.push_back(x);
-    cloud.y.push_back(y);
-    cloud.z.push_back(z);
-    cloud.classification.push_back(code);
-  };
   for (double x = -0.75; x < 11; x += 0.5)
     for (double y = -0.75; y < 11; y += 0.5) {
       const bool inside = x > 0 && x < 10 && y > 0 && y < 10;
-      add(x, y, inside ? 8 : 0, inside ? kUnclassified : kGround);
+      cloud.push_back(x, y, inside ? 8 : 0, inside ? kUnclassified : kGround);
     }
   const PointCloud alone = cloud;
-  for (int k = 0; k < 2000; ++k) add(5000 + k % 50, 5000 + k / 50, 9, kBuildingClass);
+  for (int k = 0; k < 2000; ++k) cloud.push_back(5000 + k % 50, 5000 + k / 50, 9, kBuildingClass);
   for (const RoofPoints said : {RoofPoints::kClassified, RoofPoints::kExclusion}) {
     ExtractOptions options;
     options.roof_points = said;
@@ -323,13 +303,13 @@ TEST(Extract, WithAWordOnClassesAFarPlaceChangesNothing) {
 
 TEST(Extract, CourtyardIsOutside) {
   Scene scene{{{{{0, 0}, {20, 0}, {20, 20}, {0, 20}}, {{{5, 5}, {5, 15}, {15, 15}, {15, 5}}}}}, {}};
-  add(scene.cloud, 10, 10, 20, 6);  // 0: a pavilion in the yard.
-  add(scene.cloud, 2, 2, 20, 6);    // 1: the roof.
-  add(scene.cloud, 5.5, 10, 1, 2);  // 2: in the yard, at the wall.
-  add(scene.cloud, 10, 10, 1, 2);   // 3: in the middle of the yard.
-  add(scene.cloud, -1, 10, 1, 2);   // 4: outside, exactly at the margin.
-  add(scene.cloud, -1.001, 10, 1, 2);
-  add(scene.cloud, 2, 2, 1, 2);  // Ground inside the footprint is neither.
+  scene.cloud.push_back(10, 10, 20, 6);  // 0: a pavilion in the yard.
+  scene.cloud.push_back(2, 2, 20, 6);    // 1: the roof.
+  scene.cloud.push_back(5.5, 10, 1, 2);  // 2: in the yard, at the wall.
+  scene.cloud.push_back(10, 10, 1, 2);   // 3: in the middle of the yard.
+  scene.cloud.push_back(-1, 10, 1, 2);   // 4: outside, exactly at the margin.
+  scene.cloud.push_back(-1.001, 10, 1, 2);
+  scene.cloud.push_back(2, 2, 1, 2);  // Ground inside the footprint is neither.
   const BuildingPoints points = extract_building_points(scene.footprints, scene.cloud);
   EXPECT_EQ(to_vector(points.roof[0]), (std::vector<PointIndex>{1}));
   EXPECT_EQ(to_vector(points.ground[0]), (std::vector<PointIndex>{2, 4}));
@@ -341,7 +321,8 @@ TEST(Extract, AdjoiningBuildingsShareNoRoofPoint) {
     const double x = k * 7.3;
     scene.footprints.push_back({{{x, 0}, {x + 7.3, 3}, {x + 7.3, 15}, {x, 12}}, {}});
   }
-  for (int k = 0; k < 10000; ++k) add(scene.cloud, 73.0 * k / 10000, 4 + (k % 80) * 0.1, 10, 6);
+  for (int k = 0; k < 10000; ++k)
+    scene.cloud.push_back(73.0 * k / 10000, 4 + (k % 80) * 0.1, 10, 6);
   const BuildingPoints points = extract_building_points(scene.footprints, scene.cloud);
   EXPECT_EQ(std::set<PointIndex>(points.roof.values.begin(), points.roof.values.end()).size(),
             points.roof.values.size());
@@ -404,7 +385,7 @@ TEST(DropOutliers, AgreesWithTheDefinition) {
   for (int b = 0; b < 200; ++b) {
     for (int k = 0; k < b % 37; ++k) {
       lists.values.push_back(static_cast<PointIndex>(cloud.size()));
-      add(cloud, 0, 0, k % 11 == 0 ? 500 * height(random) : height(random), 6);
+      cloud.push_back(0, 0, k % 11 == 0 ? 500 * height(random) : height(random), 6);
     }
     lists.offsets.push_back(static_cast<std::int64_t>(lists.values.size()));
   }
@@ -440,7 +421,7 @@ TEST(DropOutliers, KeepsEqualHeights) {
     PointCloud cloud;
     PointLists lists;
     for (int k = 0; k < 7; ++k) {
-      add(cloud, 0, 0, z, 6);
+      cloud.push_back(0, 0, z, 6);
       lists.values.push_back(static_cast<PointIndex>(k));
     }
     lists.offsets.push_back(7);
@@ -455,7 +436,7 @@ TEST(DropOutliers, KeepsWhatIsAtTheLimit) {
     PointCloud cloud;
     PointLists lists;
     for (int i = 0; i < 5; ++i) {
-      add(cloud, 0, 0, 0.01 * (i == k % 5 ? 700 + k : 431 + 3 * k), 6);
+      cloud.push_back(0, 0, 0.01 * (i == k % 5 ? 700 + k : 431 + 3 * k), 6);
       lists.values.push_back(static_cast<PointIndex>(i));
     }
     lists.offsets.push_back(5);

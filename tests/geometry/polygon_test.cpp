@@ -8,11 +8,13 @@
 
 #include <gtest/gtest.h>
 
+#include "support/shapes.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
 namespace {
 
+using testing::random_star;
 using testing::test_seed;
 
 Polygon square(double xmin, double ymin, double side) {
@@ -20,19 +22,6 @@ Polygon square(double xmin, double ymin, double side) {
 }
 
 Ring reversed(Ring ring) { return {ring.rbegin(), ring.rend()}; }
-
-/// A simple ring around `centre` with random radii in [smallest, largest].
-Ring random_star(std::mt19937& random, Point2 centre, int vertices, double smallest,
-                 double largest) {
-  std::uniform_real_distribution<double> radius(smallest, largest);
-  Ring ring;
-  for (int k = 0; k < vertices; ++k) {
-    const double angle = 2 * M_PI * k / vertices;
-    const double r = radius(random);
-    ring.push_back({centre.x + r * std::cos(angle), centre.y + r * std::sin(angle)});
-  }
-  return ring;
-}
 
 /// Sum of the angles under which the edges are seen, in turns: an independent point-in-polygon
 /// test.

@@ -20,21 +20,6 @@
 namespace tetropolis {
 namespace {
 
-CityModel model_of(const testing::SmallCity& small) {
-  CityModel city;
-  city.domain = small.domain;
-  city.origin = {1000, 2000};
-  for (std::size_t b = 0; b < small.footprints.size(); ++b) {
-    Building building;
-    building.id = "b" + std::to_string(b);
-    building.footprint = small.footprints[b];
-    building.h_roof = small.roofs[b];
-    building.h_ground = small.roofs[b] - 3;
-    city.buildings.push_back(building);
-  }
-  return city;
-}
-
 /// The turns that a ring makes around a point: 0 outside.
 int turns(const Ring& ring, Point2 p) {
   double angle = 0;
@@ -97,7 +82,7 @@ CityMesh mesh_of(const testing::SmallCity& small, Cells cells, int layers, bool 
     for (Ring& hole : canopy.area.holes)
       for (Point2& p : hole) p = {p.x + 1000, p.y + 2000};
   }
-  return mesh_city(model_of(small), small.dtm, options);
+  return mesh_city(testing::city_model(small), small.dtm, options);
 }
 
 template <typename Nodes>

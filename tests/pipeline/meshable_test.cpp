@@ -8,6 +8,8 @@
 
 #include "tetropolis/city/roof_summary.h"
 #include "tetropolis/core/error.h"
+
+#include "support/errors.h"
 namespace tetropolis {
 namespace {
 
@@ -30,12 +32,7 @@ CityModel gabled() {
 }
 
 std::string error_of(const CityModel& city) {
-  try {
-    require_meshable(city, 1, "a.json");
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return testing::error_of([&] { require_meshable(city, 1, "a.json"); });
 }
 
 TEST(Meshable, PartsWithRoomStayAsTheyAre) {

@@ -16,20 +16,6 @@
 namespace tetropolis {
 namespace {
 
-CityModel model_of(const testing::SmallCity& small) {
-  CityModel city;
-  city.domain = small.domain;
-  for (std::size_t b = 0; b < small.footprints.size(); ++b) {
-    Building building;
-    building.id = "b" + std::to_string(b);
-    building.footprint = small.footprints[b];
-    building.h_roof = small.roofs[b];
-    building.h_ground = small.roofs[b] - 3;
-    city.buildings.push_back(building);
-  }
-  return city;
-}
-
 CityMesh mesh_of(const testing::SmallCity& small, Cells cells, int layers = 0,
                  double cut_slope = 56) {
   MeshCityOptions options;
@@ -37,7 +23,7 @@ CityMesh mesh_of(const testing::SmallCity& small, Cells cells, int layers = 0,
   options.mesh_size = 8;
   options.cells = cells;
   options.boundary_layers.count = layers;
-  return mesh_city(model_of(small), small.dtm, options);
+  return mesh_city(testing::city_model(small), small.dtm, options);
 }
 
 double gentle(double x, double y) { return 3 + 2 * std::sin(x / 20) * std::cos(y / 25); }
@@ -130,7 +116,8 @@ TEST(Prisms, StandAtBuriedWalls) {
     MeshCityOptions options;
     options.mesh_size = 4;
     options.cells = Cells::kPrisms;
-    const VolumeMeshFacts facts = mesh_city(model_of(city), city.dtm, options).volume_facts;
+    const VolumeMeshFacts facts =
+        mesh_city(testing::city_model(city), city.dtm, options).volume_facts;
     EXPECT_GT(facts.ground_lowered, 0);
     EXPECT_LE(facts.prisms.max_non_orthogonality_deg, 60.5);
     EXPECT_LE(facts.prisms.max_skewness, 2.8);
@@ -179,7 +166,7 @@ TEST(Prisms, NeedAFlatTop) {
   options.cells = Cells::kPrisms;
   options.top = Top::kFree;
   const testing::SmallCity city = testing::small_city(gentle);
-  EXPECT_THROW(mesh_city(model_of(city), city.dtm, options), Error);
+  EXPECT_THROW(mesh_city(testing::city_model(city), city.dtm, options), Error);
 }
 
 TEST(Prisms, LayersHigherThanHalfTheDomainAreRefused) {
@@ -187,7 +174,7 @@ TEST(Prisms, LayersHigherThanHalfTheDomainAreRefused) {
   options.boundary_layers = {10, 2, 1.2};
   options.domain_height = 60;
   const testing::SmallCity city = testing::small_city(gentle);
-  EXPECT_THROW(mesh_city(model_of(city), city.dtm, options), Error);
+  EXPECT_THROW(mesh_city(testing::city_model(city), city.dtm, options), Error);
 }
 
 TEST(Prisms, BelowTetsKeepTheFloorOfQuality) {

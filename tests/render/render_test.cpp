@@ -19,6 +19,7 @@
 
 #include "render/section.h"
 #include "render/volume_surface.h"
+#include "support/errors.h"
 #include "support/test_data.h"
 #include "terraced_city.h"
 
@@ -177,14 +178,7 @@ TEST(Render, SectionsShowBuildingsWhereTheLineCutsThem) {
 }
 
 std::string usage_error(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kUsage) << error.what();
-    return error.what();
-  }
-  ADD_FAILURE() << "no error";
-  return "";
+  return testing::error_of(action, ErrorKind::kUsage);
 }
 
 TEST(Render, OptionsOutOfTheirRangeAreNamed) {

@@ -18,6 +18,7 @@
 #include "tetropolis/run/run.h"
 
 #include "run/command_line.h"
+#include "support/errors.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -32,13 +33,7 @@ std::string write(const testing::TemporaryFolder& folder, const std::string& tex
 std::string error_of(const std::string& text) {
   const testing::TemporaryFolder folder;
   Config config;
-  try {
-    load_config(config, write(folder, text));
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kUsage);
-    return error.what();
-  }
-  return "no error";
+  return testing::error_of([&] { load_config(config, write(folder, text)); }, ErrorKind::kUsage);
 }
 
 void expect_part(const std::string& text, const std::string& part) {
@@ -177,13 +172,7 @@ TEST(Config, SettingsOutOfTheirRangeAreRefusedWhereverTheyComeFrom) {
   const auto error_with = [](const auto& change) -> std::string {
     Config config;
     change(config);
-    try {
-      require_in_range(config, kBuild);
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::kUsage);
-      return error.what();
-    }
-    return "";
+    return testing::error_of([&] { require_in_range(config, kBuild); }, ErrorKind::kUsage);
   };
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(error_with([](Config& c) {

@@ -9,6 +9,7 @@
 #include "tetropolis/core/error.h"
 
 #include "support/bytes.h"
+#include "support/errors.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -84,16 +85,10 @@ TEST(OutputFolder, AResultThatIsGoneAtTheEndIsNoResult) {
         std::ofstream(out / "sub/y.txt") << "comes with it";
         std::ofstream(out.result("report.json")) << "{}";
         fs::remove(out / gone);
-        try {
-          out.commit();
-          ADD_FAILURE() << "committed";
-        } catch (const Error& error) {
-          EXPECT_EQ(error.kind(), ErrorKind::kInput);
-          EXPECT_NE(
-              std::string(error.what()).find(std::string(gone) + ": cannot be written: it is gone"),
-              std::string::npos)
-              << error.what();
-        }
+        const std::string message = testing::error_of([&] { out.commit(); }, ErrorKind::kInput);
+        EXPECT_NE(message.find(std::string(gone) + ": cannot be written: it is gone"),
+                  std::string::npos)
+            << message;
       }
       EXPECT_EQ(
           everything(scratch.path()),
@@ -168,15 +163,9 @@ TEST(OutputFolder, ReplacesNobodysFiles) {
       write(scratch / "result" / name, "mine");
       const auto before = everything(scratch.path());
       const auto refused = [&](const auto& act) {
-        try {
-          act();
-          ADD_FAILURE() << "not refused";
-        } catch (const Error& error) {
-          EXPECT_EQ(error.kind(), ErrorKind::kUsage);
-          const std::string message = error.what();
-          EXPECT_NE(message.find(std::string("result/") + name + ": "), std::string::npos);
-          EXPECT_NE(message.find("`overwrite`"), std::string::npos) << message;
-        }
+        const std::string message = testing::error_of(act, ErrorKind::kUsage);
+        EXPECT_NE(message.find(std::string("result/") + name + ": "), std::string::npos);
+        EXPECT_NE(message.find("`overwrite`"), std::string::npos) << message;
       };
       {
         OutputFolder out(scratch / "result");

@@ -1,7 +1,8 @@
-// What errors about input have to be like.
+// What errors say, and what those about input have to be like.
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -9,6 +10,19 @@
 #include "tetropolis/core/error.h"
 
 namespace tetropolis::testing {
+
+/// The message of the Error that `action` throws, of this kind if one is given; "" if there is
+/// none.
+template <typename Action>
+std::string error_of(const Action& action, std::optional<ErrorKind> kind = std::nullopt) {
+  try {
+    action();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), kind.value_or(error.kind())) << error.what();
+    return error.what();
+  }
+  return "";
+}
 
 /// The message of the Error(kInput) that `action` throws; checks that it is one line with the path.
 template <typename Action>

@@ -11,7 +11,7 @@
 #include "tetropolis/volume/column/column_mesh.h"
 #include "tetropolis/volume/quality/cell_quality.h"
 
-#include "volume/quality/tet_shape.h"
+#include "tet_shape.h"
 
 namespace tetropolis::testing {
 

@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "tetropolis/city/city_model.h"
 #include "tetropolis/ground/mesh_ground.h"
 #include "tetropolis/terrain/raster.h"
 #include "tetropolis/volume/column/column_mesh.h"
@@ -44,6 +46,22 @@ inline Raster raster_of(const Bounds2& domain,
     for (std::int32_t i = 0; i < raster.nx; ++i)
       raster.values.push_back(height(domain.xmin + i, domain.ymin + j));
   return raster;
+}
+
+/// Buildings of 3 m.
+inline CityModel city_model(const SmallCity& small) {
+  CityModel city;
+  city.domain = small.domain;
+  city.origin = {1000, 2000};
+  for (std::size_t b = 0; b < small.footprints.size(); ++b) {
+    Building building;
+    building.id = "b" + std::to_string(b);
+    building.footprint = small.footprints[b];
+    building.h_roof = small.roofs[b];
+    building.h_ground = small.roofs[b] - 3;
+    city.buildings.push_back(building);
+  }
+  return city;
 }
 
 /// Five buildings, one with a courtyard, one low and one a tower, on `height`.

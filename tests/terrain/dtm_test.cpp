@@ -14,6 +14,7 @@
 
 #include "tetropolis/core/error.h"
 
+#include "support/errors.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -23,20 +24,13 @@ using testing::test_seed;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-void add(PointCloud& cloud, double x, double y, double z, std::uint8_t code) {
-  cloud.x.push_back(x);
-  cloud.y.push_back(y);
-  cloud.z.push_back(z);
-  cloud.classification.push_back(code);
-}
-
 PointCloud random_cloud(int points, const Bounds2& box) {
   std::mt19937 random(test_seed());
   std::uniform_real_distribution<double> share(0, 1);
   PointCloud cloud;
   for (int k = 0; k < points; ++k)
-    add(cloud, box.xmin + share(random) * box.width(), box.ymin + share(random) * box.height(),
-        100 * share(random), static_cast<std::uint8_t>(random() % 12));
+    cloud.push_back(box.xmin + share(random) * box.width(), box.ymin + share(random) * box.height(),
+                    100 * share(random), static_cast<std::uint8_t>(random() % 12));
   return cloud;
 }
 
@@ -206,8 +200,8 @@ TEST(BuildDtm, NodesHaveTheMeanOfTheirNearestGroundPoints) {
 
 TEST(BuildDtm, OneGroundPointFillsTheDomain) {
   PointCloud cloud;
-  add(cloud, 31, 17, 12.5, kGround);
-  add(cloud, 5, 5, 99, kBuildingClass);
+  cloud.push_back(31, 17, 12.5, kGround);
+  cloud.push_back(5, 5, 99, kBuildingClass);
   DtmReport report;
   const Raster dtm = build_dtm(cloud, {0, 0, 40, 30}, {}, {}, &report);
   for (const double z : dtm.values) EXPECT_EQ(z, 12.5);
@@ -219,10 +213,7 @@ TEST(BuildDtm, VoidsAreSquaresWithoutAnyPoint) {
   PointCloud cloud;  // one point in each square of 20 m of the left half
   for (double y = 10; y < 100; y += 20)
     for (double x = 10; x < 50; x += 20) {
-      cloud.x.push_back(x);
-      cloud.y.push_back(y);
-      cloud.z.push_back(1);
-      cloud.classification.push_back(kGround);
+      cloud.push_back(x, y, 1, kGround);
     }
   DtmReport report;
   // Domains of whole squares have a row of nodes on their far side, which is no row of squares.
@@ -236,11 +227,11 @@ TEST(BuildDtm, VoidsAreSquaresWithoutAnyPoint) {
 
 TEST(BuildDtm, PointsOutsideTheGridAreIgnored) {
   PointCloud cloud;
-  add(cloud, 5, 5, 1, kGround);
-  add(cloud, -0.5, 0, 2, kGround);  // Half a step outside still rounds to node 0.
-  add(cloud, -0.51, 0, 1000, kGround);
-  add(cloud, 10.5, 0, 1000, kGround);  // Rounds up, to a node beyond the last.
-  add(cloud, 0, 1e300, 1000, kGround);
+  cloud.push_back(5, 5, 1, kGround);
+  cloud.push_back(-0.5, 0, 2, kGround);  // Half a step outside still rounds to node 0.
+  cloud.push_back(-0.51, 0, 1000, kGround);
+  cloud.push_back(10.5, 0, 1000, kGround);  // Rounds up, to a node beyond the last.
+  cloud.push_back(0, 1e300, 1000, kGround);
   DtmReport report;
   const Raster dtm = build_dtm(cloud, {0, 0, 10, 10}, {}, {}, &report);
   EXPECT_EQ(report.ground_points, 2);
@@ -250,26 +241,24 @@ TEST(BuildDtm, PointsOutsideTheGridAreIgnored) {
 
 TEST(BuildDtm, WithoutGroundPointsSaysWhichClassesThereAre) {
   PointCloud cloud;
-  add(cloud, 5, 5, 1, 1);
-  add(cloud, 5, 6, 1, 6);
-  add(cloud, 5, 7, 1, 6);
-  add(cloud, 500, 500, 1, kGround);  // Ground, but not here.
-  try {
-    build_dtm(cloud, {0, 0, 10, 10});
-    FAIL() << "no error";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    const std::string message = error.what();
-    EXPECT_NE(message.find("class 2, 9"), std::string::npos) << message;
-    EXPECT_NE(message.find("class 6 (2 points)"), std::string::npos) << message;
-    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-  }
+  cloud.push_back(5, 5, 1, 1);
+  cloud.push_back(5, 6, 1, 6);
+  cloud.push_back(5, 7, 1, 6);
+  cloud.push_back(500, 500, 1, kGround);  // Ground, but not here.
+  const std::string message = testing::error_of(
+      [&] {
+        build_dtm(cloud, {0, 0, 10, 10});
+      },
+      ErrorKind::kInput);
+  EXPECT_NE(message.find("class 2, 9"), std::string::npos) << message;
+  EXPECT_NE(message.find("class 6 (2 points)"), std::string::npos) << message;
+  EXPECT_EQ(message.find('\n'), std::string::npos) << message;
   EXPECT_THROW(build_dtm({}, {0, 0, 10, 10}), Error);
 }
 
 TEST(BuildDtm, ReportsProgressAndStops) {
   PointCloud cloud;
-  add(cloud, 5, 5, 1, kGround);
+  cloud.push_back(5, 5, 1, kGround);
   double last = -1;
   build_dtm(cloud, {0, 0, 50, 50}, {},
             {[&](double fraction) {

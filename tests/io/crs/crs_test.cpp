@@ -8,6 +8,7 @@
 
 #include "tetropolis/core/error.h"
 
+#include "support/errors.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -95,13 +96,8 @@ TEST(Crs, NonsenseIsRefusedWithItsText) {
         // What GDAL 3.9 and later write for none.
         "LOCAL_CS[\"Undefined SRS\",LOCAL_DATUM[\"unknown\",32767],UNIT[\"unknown\",0],"
         "AXIS[\"Easting\",EAST],AXIS[\"Northing\",NORTH]]"}) {
-    try {
-      normalise_crs(text);
-      ADD_FAILURE() << text;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::kUsage);
-      EXPECT_NE(std::string(error.what()).find(text), std::string::npos) << error.what();
-    }
+    const std::string message = testing::error_of([&] { normalise_crs(text); }, ErrorKind::kUsage);
+    EXPECT_NE(message.find(text), std::string::npos) << message;
   }
 }
 

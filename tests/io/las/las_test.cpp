@@ -23,6 +23,7 @@
 #include "io/las/las_header.h"
 #include "las_support.h"
 #include "support/bytes.h"
+#include "support/errors.h"
 
 namespace tetropolis {
 namespace {
@@ -261,10 +262,7 @@ PointCloud decode_alone(const fs::path& path, Point2 origin) {
     double xyz[3];
     laszip_read_point(reader);
     laszip_get_coordinates(reader, xyz);
-    cloud.x.push_back(xyz[0] - origin.x);
-    cloud.y.push_back(xyz[1] - origin.y);
-    cloud.z.push_back(xyz[2]);
-    cloud.classification.push_back(point->classification);
+    cloud.push_back(xyz[0] - origin.x, xyz[1] - origin.y, xyz[2], point->classification);
   }
   laszip_close_reader(reader);
   laszip_destroy(reader);
@@ -292,10 +290,8 @@ TEST(Las, ClassesOfFilesAreThoseOfAllTheirPoints) {
     PointCloud cloud;
     for (std::size_t k = 0; k < 3; ++k) {
       const bool away = k == 2 || f == 3;
-      cloud.x.push_back(away ? 5000.0 + static_cast<double>(k) : 10.0 + static_cast<double>(k));
-      cloud.y.push_back(10);
-      cloud.z.push_back(static_cast<double>(f));
-      cloud.classification.push_back(static_cast<std::uint8_t>(codes[f][k]));
+      cloud.push_back(away ? 5000.0 + static_cast<double>(k) : 10.0 + static_cast<double>(k), 10,
+                      static_cast<double>(f), static_cast<std::uint8_t>(codes[f][k]));
     }
     paths.push_back(scratch / names[f]);
     write_points(paths.back(), cloud, {}, {});
@@ -382,10 +378,7 @@ TEST(Las, CropKeepsExactlyThePointsInTheBox) {
   for (std::size_t i = 0; i < all.points.size(); ++i) {
     const Point2 p{all.points.x[i] + all.origin.x, all.points.y[i] + all.origin.y};
     if (!options.crop->contains(p)) continue;
-    expected.x.push_back(p.x - 84900);
-    expected.y.push_back(p.y - 447500);
-    expected.z.push_back(all.points.z[i]);
-    expected.classification.push_back(all.points.classification[i]);
+    expected.push_back(p.x - 84900, p.y - 447500, all.points.z[i], all.points.classification[i]);
   }
   ASSERT_GT(expected.size(), 1000U);
   EXPECT_TRUE(same(part.points, expected));
@@ -457,10 +450,7 @@ TEST(Las, TheFrameLiesNearThePoints) {
   const TemporaryFolder folder;
   PointCloud cloud;
   for (const double x : {0.25, 300'000.0}) {
-    cloud.x.push_back(std::min(x, 200'000.0));
-    cloud.y.push_back(x / 2);
-    cloud.z.push_back(3);
-    cloud.classification.push_back(kGround);
+    cloud.push_back(std::min(x, 200'000.0), x / 2, 3, kGround);
   }
   write_points(folder / "a.las", cloud, {674'000, 6'580'000}, {});
   const PointsInput near = read_one(folder / "a.las");
@@ -529,12 +519,9 @@ TEST(Las, WritesCloudsWithoutPoints) {
 TEST(Las, RefusesToWriteNonsense) {
   const TemporaryFolder folder;
   const auto usage = [&](const PointCloud& cloud, WritePointsOptions options) {
-    try {
-      write_points(folder / "a.las", cloud, {}, options);
-      ADD_FAILURE() << "no error";
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::kUsage) << error.what();
-    }
+    EXPECT_NE(testing::error_of([&] { write_points(folder / "a.las", cloud, {}, options); },
+                                ErrorKind::kUsage),
+              "");
   };
   usage({{0}, {0}, {0}, {40}}, {});
   usage({{0, 2e5}, {0, 0}, {0, 0}, {1, 1}}, {1, 1e-5, ""});

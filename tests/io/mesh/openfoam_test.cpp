@@ -10,6 +10,7 @@
 
 #include "core/infinity.h"
 #include "mesh_bytes.h"
+#include "support/errors.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -313,13 +314,9 @@ TEST_F(OpenFoam, TerrainWithoutBuildingsHasEmptyPatches) {
 TEST_F(OpenFoam, ForeignBoundaryIsRefused) {
   SurfaceMesh moved = city.boundary;
   moved.points[17][2] += 1e-3;
-  try {
-    write_openfoam(folder / "mesh", city.city.mesh, moved, {});
-    FAIL() << "no error";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kGuarantee);
-    EXPECT_STREQ(error.what(), "the surface is not the boundary of the volume mesh");
-  }
+  const std::string message = testing::error_of(
+      [&] { write_openfoam(folder / "mesh", city.city.mesh, moved, {}); }, ErrorKind::kGuarantee);
+  EXPECT_EQ(message, "the surface is not the boundary of the volume mesh");
   EXPECT_FALSE(std::filesystem::exists(folder / "mesh/points"));
 }
 

@@ -12,6 +12,7 @@
 #include "tetropolis/io/mesh/stl.h"
 
 #include "mesh_bytes.h"
+#include "support/errors.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -101,13 +102,7 @@ TEST_F(SurfaceFormats, StlHasUnitNormalsAndIsAsWatertightAsTheSurface) {
 /// What read_stl says of a file with these bytes; empty if it reads it.
 std::string refusal(const std::filesystem::path& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
-  try {
-    read_stl(path);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    return error.what();
-  }
-  return "";
+  return testing::error_of([&] { read_stl(path); }, ErrorKind::kInput);
 }
 
 TEST_F(SurfaceFormats, StlThatIsNotBinaryOrCutIsRefused) {

@@ -13,6 +13,7 @@
 #include "io/limited_memory.h"
 #include "io/mesh/mesh_input.h"
 #include "support/bytes.h"
+#include "support/errors.h"
 #include "support/explicit_mesh.h"
 #include "support/sanitized.h"
 #include "support/small_city.h"
@@ -27,13 +28,7 @@ using testing::write_bytes;
 /// The message of the Error that `call` throws.
 template <typename Call>
 std::string error_of(const Call& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    return error.what();
-  }
-  return "no error";
+  return testing::error_of(call, ErrorKind::kInput);
 }
 
 class Vtk : public ::testing::Test {
@@ -298,17 +293,13 @@ TEST(VtkMemory, SurfacesLargerThanTheMemoryAreRefused) {
 
 TEST(MeshInput, MeshesLargerThanTheMemoryAreRefused) {
   EXPECT_NO_THROW(require_room_for_mesh("small.vtu", 1000, 5000));
-  try {
-    require_room_for_mesh("large.vtu", 200'000'000'000, 1'000'000'000'000);
-    FAIL() << "no error";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_EQ(
-        std::string(error.what())
-            .find("large.vtu: to read and check its 1000000000000 cells takes about 61600.0 GB"),
-        0U)
-        << error.what();
-  }
+  const std::string message = testing::error_of(
+      [&] { require_room_for_mesh("large.vtu", 200'000'000'000, 1'000'000'000'000); },
+      ErrorKind::kInput);
+  EXPECT_EQ(
+      message.find("large.vtu: to read and check its 1000000000000 cells takes about 61600.0 GB"),
+      0U)
+      << message;
 }
 
 }  // namespace

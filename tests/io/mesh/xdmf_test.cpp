@@ -17,6 +17,7 @@
 #include "tetropolis/core/threads.h"
 
 #include "mesh_bytes.h"
+#include "support/errors.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -218,13 +219,9 @@ TEST_F(Xdmf, SameBytesAtAnotherTime) {
 
 TEST_F(Xdmf, NamesThatLeaveNoneForTheDataAreRefused) {
   const auto refused = [&](const char* volume, const char* boundary) -> std::string {
-    try {
-      write_xdmf(folder / volume, folder / boundary, city.city.mesh, city.boundary, {});
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::kInput);
-      return error.what();
-    }
-    return "no error";
+    return testing::error_of(
+        [&] { write_xdmf(folder / volume, folder / boundary, city.city.mesh, city.boundary, {}); },
+        ErrorKind::kInput);
   };
   EXPECT_NE(refused("mesh.h5", "b.xdmf").find("mesh.h5: that name is for the"), std::string::npos);
   EXPECT_NE(refused("a.xdmf", "b.h5").find("b.h5: that name is for the"), std::string::npos);
@@ -311,13 +308,7 @@ TEST_F(Xdmf, WhatIsReadIsWhatWasWritten) {
 
 /// What read_xdmf says of `path`; empty if it reads it.
 std::string refusal(const std::filesystem::path& path) {
-  try {
-    read_xdmf(path);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    return error.what();
-  }
-  return "";
+  return testing::error_of([&] { read_xdmf(path); }, ErrorKind::kInput);
 }
 
 TEST_F(Xdmf, CutFilesAreRefused) {

@@ -291,12 +291,12 @@ TEST(GeoTiff, UnusableRastersFailInOneLine) {
   EXPECT_EQ(ascii.values, (std::vector<double>{3, 4, 1, 2}));
   EXPECT_EQ(ascii.x0, 0.5);
   EXPECT_EQ(ascii.y0, 0.5);
-  try {
-    write_raster(folder / "none/a.tif", Raster{1, 1, 0, 0, 1, {0}}, {}, "");
-    ADD_FAILURE();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput);
-  }
+  EXPECT_NE(testing::error_of(
+                [&] {
+                  write_raster(folder / "none/a.tif", Raster{1, 1, 0, 0, 1, {0}}, {}, "");
+                },
+                ErrorKind::kInput),
+            "");
 }
 
 }  // namespace

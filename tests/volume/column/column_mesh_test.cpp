@@ -13,7 +13,7 @@
 #include "support/explicit_mesh.h"
 #include "support/small_city.h"
 #include "support/test_data.h"
-#include "volume/quality/tet_shape.h"
+#include "support/tet_shape.h"
 
 namespace tetropolis {
 namespace {
@@ -73,7 +73,8 @@ TEST(ColumnMesh, VolumeOfATetIsAThirdOfBaseTimesVerticalEdge) {
     for_each_tet_over(mesh, t, [&](const std::array<NodeIndex, 4>& tet) {
       const double edge = at(tet[3])[2] - at(tet[3] - 1)[2];
       ASSERT_EQ(std::count(tet.begin(), tet.end(), tet[3] - 1), 1);
-      const TetShape shape = tet_shape(at(tet[0]), at(tet[1]), at(tet[2]), at(tet[3]));
+      const testing::TetShape shape =
+          testing::tet_shape(at(tet[0]), at(tet[1]), at(tet[2]), at(tet[3]));
       const double expected = triangle_area(mesh, t) * edge / 3;
       ASSERT_NEAR(shape.volume, expected, 1e-9 * expected);
     });

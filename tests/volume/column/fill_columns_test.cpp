@@ -12,6 +12,7 @@
 #include "tetropolis/volume/quality/cell_quality.h"
 #include "tetropolis/volume/quality/face_quality.h"
 
+#include "support/errors.h"
 #include "support/small_city.h"
 
 namespace tetropolis {
@@ -139,13 +140,9 @@ TEST(FillColumns, CellsAreGoodNextToFineDetailsAndOnSlopes) {
 TEST(FillColumns, RefusesHeightsThatDoNotIncrease) {
   auto city = testing::meshed(testing::small_city(testing::hills));
   city.plan.top[7] = city.plan.ground[7];
-  try {
-    divide_columns(city.mesh.ground, city.mesh.edges, city.plan);
-    FAIL() << "no error";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kGuarantee);
-    EXPECT_NE(std::string(error.what()).find("ground vertex 7"), std::string::npos) << error.what();
-  }
+  const std::string message = testing::error_of(
+      [&] { divide_columns(city.mesh.ground, city.mesh.edges, city.plan); }, ErrorKind::kGuarantee);
+  EXPECT_NE(message.find("ground vertex 7"), std::string::npos) << message;
 }
 
 TEST(FillColumns, LayersKeepTheirHeights) {

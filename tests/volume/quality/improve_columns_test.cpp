@@ -16,7 +16,7 @@
 #include "support/small_city.h"
 #include "support/spoilt_mesh.h"
 #include "support/test_data.h"
-#include "volume/quality/tet_shape.h"
+#include "support/tet_shape.h"
 
 namespace tetropolis {
 namespace {
@@ -31,7 +31,7 @@ double total_cost(const ColumnMesh& mesh, const ImproveOptions& options) {
   double sum = 0;
   for (const auto& cell : lists.cells) {
     const auto p = [&](std::size_t i) { return lists.points[static_cast<std::size_t>(cell[i])]; };
-    const TetShape shape = tet_shape(p(0), p(1), p(2), p(3));
+    const testing::TetShape shape = testing::tet_shape(p(0), p(1), p(2), p(3));
     sum += excess(1 - std::cos(options.least_deg * radians),
                   1 - std::cos(shape.min_dihedral_deg * radians));
     sum += excess(1 + std::cos(options.greatest_deg * radians),

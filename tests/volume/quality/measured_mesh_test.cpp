@@ -13,10 +13,10 @@
 #include "support/explicit_mesh.h"
 #include "support/small_city.h"
 #include "support/spoilt_mesh.h"
+#include "support/tet_shape.h"
 #include "volume/quality/cells_of.h"
 #include "volume/quality/faces_of.h"
 #include "volume/quality/stack_kernels.h"
-#include "volume/quality/tet_shape.h"
 
 namespace tetropolis {
 namespace {
@@ -66,7 +66,7 @@ TEST(StackKernels, CellsAreThoseOfTetShape) {
         const auto p = [&](std::size_t i) {
           return lists.points[static_cast<std::size_t>(lists.cells[cell][i])];
         };
-        const TetShape shape = tet_shape(p(0), p(1), p(2), p(3));
+        const testing::TetShape shape = testing::tet_shape(p(0), p(1), p(2), p(3));
         ASSERT_NEAR(kernels.greatest()[k], std::cos(shape.min_dihedral_deg / kDegrees), 1e-11);
         ASSERT_NEAR(std::sqrt(kernels.aspect2()[k]) / shape.aspect_ratio, 1, 1e-9);
         greatest = std::max(greatest, std::cos(shape.min_dihedral_deg / kDegrees));

@@ -13,8 +13,8 @@
 #include "support/explicit_mesh.h"
 #include "support/small_city.h"
 #include "support/test_data.h"
+#include "support/tet_shape.h"
 #include "volume/quality/measured_mesh.h"
-#include "volume/quality/tet_shape.h"
 
 namespace tetropolis {
 namespace {
@@ -23,20 +23,21 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 
 TEST(Quality, KnownTetrahedra) {
   const double h = 1 / std::sqrt(2.0);
-  const TetShape regular = tet_shape({1, 0, -h}, {-1, 0, -h}, {0, 1, h}, {0, -1, h});
+  const testing::TetShape regular =
+      testing::tet_shape({1, 0, -h}, {-1, 0, -h}, {0, 1, h}, {0, -1, h});
   EXPECT_NEAR(regular.min_dihedral_deg, std::acos(1.0 / 3) * kDegrees, 1e-9);
   EXPECT_NEAR(regular.max_dihedral_deg, std::acos(1.0 / 3) * kDegrees, 1e-9);
   EXPECT_NEAR(regular.aspect_ratio, 1, 1e-12);
   EXPECT_NEAR(std::abs(regular.volume), 8 / (6 * std::sqrt(2.0)), 1e-12);
 
-  const TetShape corner = tet_shape({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1});
+  const testing::TetShape corner = testing::tet_shape({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1});
   EXPECT_NEAR(corner.volume, 1.0 / 6, 1e-15);
   EXPECT_NEAR(corner.max_dihedral_deg, 90, 1e-9);
   EXPECT_NEAR(corner.min_dihedral_deg, std::acos(1 / std::sqrt(3.0)) * kDegrees, 1e-9);
 
-  const TetShape mirrored = tet_shape({0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 0, 1});
+  const testing::TetShape mirrored = testing::tet_shape({0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 0, 1});
   EXPECT_NEAR(mirrored.volume, -1.0 / 6, 1e-15);
-  const TetShape flat = tet_shape({0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0});
+  const testing::TetShape flat = testing::tet_shape({0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0});
   EXPECT_EQ(flat.volume, 0);
   EXPECT_TRUE(std::isinf(flat.aspect_ratio));
 }
@@ -50,7 +51,7 @@ TEST(Quality, QuantilesAreThoseOfTheSortedValues) {
     const auto p = [&] {
       return Point3{coordinate(random), coordinate(random), coordinate(random)};
     };
-    const TetShape shape = tet_shape(p(), p(), p(), p());
+    const testing::TetShape shape = testing::tet_shape(p(), p(), p(), p());
     const double cosine = std::cos(shape.min_dihedral_deg / kDegrees);
     const double square = shape.aspect_ratio * shape.aspect_ratio;
     histogram.add({&cosine, 1}, {&square, 1}, 0);
@@ -164,7 +165,7 @@ TEST(Quality, ShapesOfCellsAreThoseOfTetShape) {
     double volume = 0, greatest = 0;
     for (const auto& cell : lists.cells) {
       const auto p = [&](std::size_t i) { return lists.points[static_cast<std::size_t>(cell[i])]; };
-      const TetShape shape = tet_shape(p(0), p(1), p(2), p(3));
+      const testing::TetShape shape = testing::tet_shape(p(0), p(1), p(2), p(3));
       angles.push_back(shape.min_dihedral_deg);
       aspects.push_back(shape.aspect_ratio);
       greatest = std::max(greatest, shape.max_dihedral_deg);
@@ -217,7 +218,7 @@ TEST(Quality, ListsTheWorstCellsWithTheirPlace) {
   std::vector<Cell> cells;
   for (const auto& cell : lists.cells) {
     const auto p = [&](std::size_t i) { return lists.points[static_cast<std::size_t>(cell[i])]; };
-    const TetShape shape = tet_shape(p(0), p(1), p(2), p(3));
+    const testing::TetShape shape = testing::tet_shape(p(0), p(1), p(2), p(3));
     cells.push_back(
         {std::min(shape.min_dihedral_deg / 12, (180 - shape.max_dihedral_deg) / 20),
          shape.min_dihedral_deg,

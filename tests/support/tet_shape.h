@@ -3,7 +3,9 @@
 
 #include "tetropolis/geometry/types.h"
 
-namespace tetropolis {
+#include "volume/quality/tet_cosines.h"
+
+namespace tetropolis::testing {
 
 struct TetShape {
   double volume = 0;            ///< Signed, cubic metres.
@@ -15,6 +17,9 @@ struct TetShape {
 
 /// Of a tet of zero or negative volume, the angles and the ratio are those of the flat or mirrored
 /// one.
-TetShape tet_shape(const Point3& p0, const Point3& p1, const Point3& p2, const Point3& p3);
+inline TetShape tet_shape(const Point3& p0, const Point3& p1, const Point3& p2, const Point3& p3) {
+  const TetCosines shape = tet_cosines(p0, p1, p2, p3);
+  return {shape.volume, angle_deg(shape.greatest), angle_deg(shape.least), shape.aspect_ratio};
+}
 
-}  // namespace tetropolis
+}  // namespace tetropolis::testing
