@@ -21,8 +21,6 @@ namespace {
 
 using Label = std::int32_t;
 
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 /// Costs are whole numbers of this share of a square metre.
 constexpr double kPerSquareMetre = 1e4;
 std::int32_t cost_of(double square_metres) {

@@ -22,8 +22,6 @@ constexpr double kStep = 1;  ///< Metres: LoD1.3 tells heights that differ by th
 /// m^3: squared misfit times area that joining regions may cost, per metre of border that goes.
 constexpr double kJoinCost = 0.05;
 
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 RoofPlane flat_roof(Point2 at, double elevation) { return {at, elevation, 0, 0}; }
 
 /// Regions that are joined one pair after the other.

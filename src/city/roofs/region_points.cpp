@@ -36,8 +36,6 @@ namespace {
 constexpr double kCell = 1;    // metres
 constexpr double kNear = 0.5;  // metres: what a plane is fitted to
 
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 double huber(double d) {
   constexpr double kSquare = 1;  // metres
   return d < kSquare ? d * d : kSquare * (2 * d - kSquare);

@@ -18,8 +18,6 @@ namespace tetropolis {
 
 namespace {
 
-std::size_t index(CellNumber c) { return static_cast<std::size_t>(c); }
-
 /// The direction of the walls, modulo a right angle, weighted by their lengths.
 double main_direction(const Polygon& footprint) {
   double c = 0, s = 0;

@@ -16,6 +16,9 @@ namespace tetropolis {
 /// Index of a triangle of RoofCells; negative: outside.
 using CellNumber = std::int32_t;
 
+/// Of an array, for the numbers of cells, members and regions.
+inline std::size_t index(std::int32_t number) { return static_cast<std::size_t>(number); }
+
 struct RoofCells {
   Triangulation mesh;
   std::vector<std::array<CellNumber, 3>> neighbours;  ///< Per cell: across edge i of it.

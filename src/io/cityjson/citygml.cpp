@@ -18,6 +18,7 @@
 #include "tetropolis/io/crs/crs.h"
 #include "tetropolis/io/crs/geo_place.h"
 
+#include "core/files.h"
 #include "io/crs/gdal_support.h"
 #include "io/file/input_file.h"
 #include "io/file/positioned_file.h"
@@ -434,8 +435,7 @@ Json geometries_of(const GmlObject& object, JsonWriter& writer, bool& is_without
 
 bool is_citygml(const fs::path& path) {
   constexpr std::size_t kSize = std::size_t{1} << 16;
-  std::error_code error;
-  if (!fs::is_regular_file(path, error)) return false;
+  if (!is_file(path)) return false;
   std::string block(kSize, '\0');
   std::ifstream file(path, std::ios::binary);
   file.read(block.data(), static_cast<std::streamsize>(kSize));
