@@ -65,7 +65,7 @@ std::string what_to_open(const Report& report) {
   if (report.volume_mesh)
     add(has_file(report, "surface.vtp") ? "surface.vtp" : "boundary.vtp", "ParaView");
   else
-    add("city.city.json", "a CityJSON viewer or QGIS");
+    add("buildings.gpkg", "QGIS");
   return text;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -64,6 +65,9 @@ CitySize size_of(const MeshCityOptions& options, const CityModel& city, const Ra
   }
   return size;
 }
+
+/// Mesh size, metres: coarser ones would show no terrain.
+constexpr double kCoarsestPreview = 50;
 
 /// Prisms on steep ground are sheared: from this slope on 5 % of the terrain on, degrees.
 constexpr double kSteepForPrisms = 36;
@@ -491,6 +495,20 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
   warn_of_canopies(result.zones, result.warnings);
   result.placement.origin = {origin.x, origin.y, 0};
   return result;
+}
+
+std::optional<ColumnMesh> mesh_preview(const CityModel& city, const Raster& terrain,
+                                       std::int64_t most_triangles, const StepHooks& hooks) {
+  MeshCityOptions options;
+  const CitySize size = size_of(options, city, terrain);
+  const auto most = static_cast<double>(most_triangles);
+  while (estimate_mesh(options, size).triangles > most) {
+    options.mesh_size *= 1.25;
+    if (options.mesh_size > kCoarsestPreview) return std::nullopt;
+  }
+  CityMesh scratch;
+  StepClock clock(hooks, scratch.steps);
+  return columns_with_blocks(options, city, {}, terrain, size, clock, scratch).mesh;
 }
 
 }  // namespace tetropolis

@@ -229,6 +229,7 @@ std::vector<ConfigField> output_fields() {
        .choices = {"none", "zlib"}},
       {.name = "no_html",
        .member = &C::no_html,
+       .commands = kBuild | kCity | kMesh,
        .help = "Leave out index.html, the page that shows the run"}};
 }
 

@@ -162,7 +162,9 @@ MeshInMemory make_mesh(const Config& config, const BuiltCity& city, const StepHo
 }
 
 std::string make_page(const CityInMemory& city) {
-  return page_of(city.built.city, nullptr, page_footprints(city.built), city.report, "");
+  require_heights(city.built);
+  const PageMesh shown = page_preview(city.built.city, city.built.terrain);
+  return page_of(city.built.city, &shown, page_footprints(city.built), city.report, "");
 }
 
 std::string make_page(const CityInMemory& city, const MeshInMemory& mesh) {

@@ -44,7 +44,7 @@ constexpr std::array kSteps = {
     Step{"3.5", "smooth", kMeshing, kMeshes, 20, true},
     Step{"3.5", "improve", kMeshing, kMeshes, 3},
     Step{"3.6", "measure", kMeshing, kMeshes, 11},
-    Step{"3.6", "write page", kWriting, kMeshes, 8},
+    Step{"3.6", "write page", kWriting, kData | kMesh, 8},
     Step{"3.6", "write", kWriting, kMeshes, 8},
     Step{"3.", "", kMeshing, kMeshes, 5},
     Step{"0.2", "", kWriting, kSynth, 40},

@@ -88,7 +88,7 @@ inline std::vector<std::string> of_run(bool city, bool mesh,
   std::vector<std::string> names{std::string(kReport)};
   if (city) names.insert(names.end(), kOfCity.begin(), kOfCity.end());
   for (const ResultFile& file : kOfMesh)
-    if (mesh && (file.format.empty() || is_among(file.format, formats)))
+    if ((mesh || file.name == kPage) && (file.format.empty() || is_among(file.format, formats)))
       names.emplace_back(file.name);
   return names;
 }

@@ -210,6 +210,15 @@ Report run_city(const Config& config, const RunHooks& hooks) {
   const BuiltCity built = make_out_city(config, Next::kNothing, hooks, out, report);
   StepClock clock(hooks, report.steps);
   write_out_city(built, clock, out);
+  if (!config.no_html) {
+    tell_process(report, out);
+    clock.run("3.6", "write page", [&](const Progress&) {
+      StepHooks preview;
+      preview.cancelled = hooks.cancelled;
+      write_page(config, built.city, page_preview(built.city, built.terrain, preview),
+                 page_footprints(built), report, out);
+    });
+  }
   finish(report, out);
   return report;
 }

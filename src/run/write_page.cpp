@@ -9,6 +9,7 @@
 
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/io/file/write_file.h"
+#include "tetropolis/pipeline/mesh_city.h"
 
 #include "command_line.h"
 #include "result_files.h"
@@ -41,6 +42,15 @@ std::vector<PageFootprint> page_footprints(const BuiltCity& built) {
         raw.domain.position_of(feature.polygon) != DomainPosition::kOutside)
       add(feature.source_id, feature.polygon);
   return footprints;
+}
+
+PageMesh page_preview(const CityModel& city, const Raster& terrain, const StepHooks& hooks) {
+  // Lines of roofs bring up to two triangles for each one of outlines and ground.
+  const auto mesh = mesh_preview(city, terrain, kMostPageTriangles / 3, hooks);
+  if (!mesh) return {};
+  PageMesh shown = page_mesh(*mesh, 0);
+  shown.cells = 0;  // of the run
+  return shown;
 }
 
 std::string page_of(const CityModel& city, const PageMesh* mesh,

@@ -18,6 +18,9 @@ namespace tetropolis {
 /// they meet the domain, with what became of them in `built.city`.
 std::vector<PageFootprint> page_footprints(const BuiltCity& built);
 
+/// Ground and roofs of a city of which there is no mesh. Of `hooks` those of the page alone.
+PageMesh page_preview(const CityModel& city, const Raster& terrain, const StepHooks& hooks = {});
+
 /// The page of a run. `mesh` may be nullptr. `repeat`: PageContents::repeat.
 std::string page_of(const CityModel& city, const PageMesh* mesh,
                     std::span<const PageFootprint> footprints, Report report, std::string repeat);

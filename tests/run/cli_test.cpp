@@ -529,7 +529,9 @@ TEST_F(Cli, CheckReadsCityAndTerrainWhereMeshHasReadThem) {
 /// A model in the folder is no result there if the report does not tell of it, from anywhere.
 TEST_F(Cli, CheckSaysTheSameOfTheFolderItIsIn) {
   synth("--buildings 4 --size 100");
-  ASSERT_EQ(run("city --quiet --footprints input/footprints.shp --points input --out one").code, 0);
+  ASSERT_EQ(
+      run("city --quiet --no-html --footprints input/footprints.shp --points input --out one").code,
+      0);
   fs::remove(scratch / "one/report.json");
   Json city = Json::parse(bytes_of(scratch / "one/city.city.json"));
   city["metadata"]["geographicalExtent"][0] = 3;

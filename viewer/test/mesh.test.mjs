@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import {join} from 'node:path';
 import {test} from 'node:test';
-import {load, makeCity, readBlocks, readReport, readVtu, temporaryFolder} from './support.mjs';
+import {load, makeCity, readBlocks, readReport, readVtu, run, temporaryFolder} from './support.mjs';
 
 const cities = {
   'blocks': {},
@@ -150,3 +150,28 @@ for (const [name, options] of Object.entries(cities)) {
     }
   });
 }
+
+// Ground, roofs and walls of a city that is not meshed close its block of soil: their faces add up to the domain.
+test('city without a mesh', async (t) => {
+  const folder = temporaryFolder(t), input = join(folder, 'in'), out = join(folder, 'out');
+  run('synth', '--kind', 'blocks', '--size', '400', '--roofs', 'sloped', '--relief', '20', '--seed', '1', '--out', input);
+  run('city', '--footprints', join(input, 'footprints.shp'), '--points', input, '--out', out);
+  const {readModel} = await load(folder, 'model.ts');
+  const {facts, mesh, surface} = await readModel(readBlocks(out));
+  assert.ok(mesh !== null && !facts.volume && facts.cells === 0);
+  const sum = [0, 0, 0];
+  let roofs = 0, highest = -Infinity;
+  for (let f = 0; f < surface.triangles; ++f) {
+    const [a, b, c] = [0, 3, 6].map((k) => Array.from(surface.position.subarray(9 * f + k, 9 * f + k + 3)));
+    cross(minus(b, a), minus(c, a)).forEach((v, k) => { sum[k] += v / 2; });
+    if ((surface.feature[3 * f] & 3) !== 1) continue;
+    if (new Set([a[2], b[2], c[2]]).size > 1) ++roofs;
+    highest = Math.max(highest, a[2], b[2], c[2]);
+  }
+  const [xmin, ymin, xmax, ymax] = facts.domain, area = (xmax - xmin) * (ymax - ymin);
+  [0, 0, area].forEach((of, k) => assert.ok(Math.abs(sum[k] - of) < 1e-5 * area, `${sum}, not 0, 0, ${area}`));
+  assert.ok(roofs > 50, `${roofs} sloped triangles of roofs`);
+  const low = Math.min(...Array.from(mesh.floor, (node) => mesh.z[node])) / 1000;
+  const top = Math.max(...facts.buildings.map((b) => b.top));
+  assert.ok(Math.abs(highest + low - top) < 0.3, `${highest + low} m, not ${top}`);
+});

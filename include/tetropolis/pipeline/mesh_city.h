@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -177,5 +178,12 @@ struct CityMesh {
 /// Error(kGuarantee): one cannot be met. Cancelled.
 CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions& options = {},
                    const StepHooks& hooks = {});
+
+/// Ground and roofs to look at: the columns of mesh_city by default options, with its
+/// preconditions, but cells that nobody measures or improves. The mesh size is what about
+/// `most_triangles` of ground and outlines allow; nullopt where none up to 50 m does. Throws
+/// Error(kGuarantee), Cancelled.
+std::optional<ColumnMesh> mesh_preview(const CityModel& city, const Raster& terrain,
+                                       std::int64_t most_triangles, const StepHooks& hooks = {});
 
 }  // namespace tetropolis

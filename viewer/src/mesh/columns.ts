@@ -28,6 +28,8 @@ export interface ColumnMesh {
   layers: number;
   whole: boolean;
   upper: UpperMesh;
+  /** Or columns have the floors of their regions alone. */
+  hasCells: boolean;
 }
 
 /** include/tetropolis/ground/surfaces.h */
@@ -183,7 +185,7 @@ export async function readColumns(blocks: Blocks, {volume, layers, whole, cells}
   const mesh: ColumnMesh = {
     x: addUp(a.x), y: addUp(a.y), corners, region: addUp(a.region), regionBuilding: a.regionBuilding,
     first, z: a.z, floor: new Int32Array(0), oddStart: null, steps, layers, whole,
-    upper: noUpper(),
+    upper: noUpper(), hasCells: volume,
   };
   const around = regionsAtVertices(vertices, corners, mesh.region);
   const floors = floorPositions(around, a.floor);

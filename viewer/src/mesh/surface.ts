@@ -119,6 +119,7 @@ function addFloors(mesh: ColumnMesh, builder: SurfaceBuilder): void {
 /**
  * Calls visit(lower i, lower j, upper, whether the upper node is over i) for the faces over
  * half-edge c of the cells of its triangle, up to the floor of half-edge `behind`; two for each of a prism.
+ * Without cells the lower of the two next nodes goes first.
  */
 function forEachWallFace(mesh: ColumnMesh, climb: Climb, c: number, behind: number,
                          visit: (lowI: number, lowJ: number, high: number, overI: boolean) => void): void {
@@ -131,6 +132,16 @@ function forEachWallFace(mesh: ColumnMesh, climb: Climb, c: number, behind: numb
     if (lowI >= endI && lowJ >= endJ) return;
     visit(lowI, lowJ, lowI + 1, true);
     visit(lowI + 1, lowJ, lowJ + 1, false);
+  }
+  if (!mesh.hasCells) {
+    const {z} = mesh;
+    for (let a = mesh.floor[c], b = mesh.floor[nextCorner(c)]; a < endI || b < endJ;) {
+      const overI = b >= endJ || (a < endI && z[a + 1] <= z[b + 1]);
+      visit(a, b, (overI ? a : b) + 1, overI);
+      if (overI) ++a;
+      else ++b;
+    }
+    return;
   }
   climb.start(t);
   while (climb.at[i] < endI || climb.at[j] < endJ) {
