@@ -466,7 +466,7 @@ HeightSources make_raw_city(const BuildCityOptions& options, CityInput& input, S
   warn_of_other_heights(raw, result.warnings);
   const StatedRoofs kept =
       options.lod == Lod::kBlock ? StatedRoofs{} : stated_roofs(input.footprints);
-  warn_of_stated_heights(raw, options, kept, input.has_points(), result.warnings);
+  warn_of_stated_heights(input.footprints, raw, options, kept, result.warnings);
   return sources;
 }
 
@@ -501,14 +501,15 @@ void merge_buildings(const BuildCityOptions& options, const CityInput& input,
                     input.points.points, result.terrain, options.heights);
     tell_basis(basis, city);
     set_heights_of_planned(raw, simple.members, city);
-    warn_of_plan(input.footprints, raw, city, simple.members, options, result.warnings);
+    warn_of_plan(input.footprints, raw, city, options, result.warnings);
+    if (options.lod == Lod::kBlock) warn_of_averages(raw, city, simple.members, result.warnings);
   });
   if (options.lod != Lod::kBlock) {
     result.facts.roofs = clock.run("2.3", "roofs", [&](const Progress& progress) {
       return make_roofs(city, raw, points, simple.members, input.points.points,
                         roof_options(options), stated_roofs(input.footprints), progress);
     });
-    warn_of_roofs(result.facts.roofs, options.lod, result.warnings);
+    warn_of_roofs(result.facts.roofs, raw, options.lod, result.warnings);
   }
   if (options.domain.shape != DomainShape::kData)
     result.facts.domain = clock.run("2.3", "domain", [&](const Progress&) {

@@ -1,6 +1,7 @@
 #include "city_warnings.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -20,6 +21,7 @@
 #include "tetropolis/terrain/raster.h"
 
 #include "core/median.h"
+#include "core/text.h"
 
 namespace tetropolis {
 
@@ -146,8 +148,27 @@ void warn_of_missing_roofs(const CityModel& raw, std::vector<Warning>& warnings)
                    roofless, raw.buildings.size())});
 }
 
-void warn_of_stated_heights(const CityModel& raw, const BuildCityOptions& options,
-                            const StatedRoofs& kept, bool has_points,
+namespace {
+
+/// Attributes that may be heights or floors, by their names.
+std::vector<std::string> columns_of_heights(const FootprintsInput& footprints) {
+  constexpr std::array kWords{"height", "hoogte", "hohe",   "hoehe",   "haut",
+                              "altura", "floor",  "storey", "stories", "building_l",
+                              "level",  "etage",  "gescho", "lagen",   "verdieping"};
+  std::vector<std::string> names;
+  for (const AttributeColumn& column : footprints.attributes) {
+    const std::string name = lower_case(column.name);
+    if (std::any_of(kWords.begin(), kWords.end(),
+                    [&](const char* word) { return name.find(word) != std::string::npos; }))
+      names.push_back(column.name);
+  }
+  return names;
+}
+
+}  // namespace
+
+void warn_of_stated_heights(const FootprintsInput& footprints, const CityModel& raw,
+                            const BuildCityOptions& options, const StatedRoofs& kept,
                             std::vector<Warning>& warnings) {
   const auto count = [&](std::uint32_t flag) {
     return std::count_if(raw.buildings.begin(), raw.buildings.end(), [&](const Building& building) {
@@ -161,16 +182,21 @@ void warn_of_stated_heights(const CityModel& raw, const BuildCityOptions& option
   if (by_attribute == 0)
     std::erase_if(warnings, [](const Warning& w) { return w.code == "height_assumed"; });
   const auto stated = by_attribute + by_floors + by_default;
-  if (stated == 0 || (has_points && by_floors == 0)) return;
+  if (stated == 0) return;
   std::vector<std::string> parts;
   if (by_attribute > 0) parts.push_back(fmt::format("{} the height that they state", by_attribute));
   if (by_floors > 0) parts.push_back(fmt::format("{} that of their floors", by_floors));
   if (by_default > 0)
     parts.push_back(fmt::format("{} that state neither get {:g} m (default_height)", by_default,
                                 options.default_height));
-  warnings.push_back({"heights_stated", stated,
-                      fmt::format("{} of {} buildings have no measured roof: {}", stated,
-                                  raw.buildings.size(), fmt::join(parts, ", "))});
+  std::string message = fmt::format("{} of {} footprints have no measured roof: {}", stated,
+                                    raw.buildings.size(), fmt::join(parts, ", "));
+  if (const auto columns = columns_of_heights(footprints); by_default == stated && !columns.empty())
+    message += fmt::format(
+        "; if {} tells heights or floors, name it with height_attribute or "
+        "floors_attribute",
+        fmt::join(columns, " or "));
+  warnings.push_back({"heights_stated", stated, message});
 }
 
 void warn_of_other_heights(const CityModel& raw, std::vector<Warning>& warnings) {
@@ -197,7 +223,6 @@ void warn_of_other_heights(const CityModel& raw, std::vector<Warning>& warnings)
 }
 
 void warn_of_plan(const FootprintsInput& footprints, const CityModel& raw, const CityModel& city,
-                  std::span<const std::vector<BuildingIndex>> members,
                   const BuildCityOptions& options, std::vector<Warning>& warnings) {
   std::set<std::string_view> planned;
   const auto note = [&](const auto& features) {
@@ -230,25 +255,36 @@ void warn_of_plan(const FootprintsInput& footprints, const CityModel& raw, const
         raised.count, options.heights.min_height, raised.message);
     warnings.push_back(raised);
   }
-  if (options.lod != Lod::kBlock) return;
+}
+
+void warn_of_averages(const CityModel& raw, const CityModel& city,
+                      std::span<const std::vector<BuildingIndex>> members,
+                      std::vector<Warning>& warnings) {
   constexpr double kMost = 1;  // metres
-  Warning averaged{"planned_averaged", 0, {}};
+  constexpr std::uint32_t kStated = kPlanned | kRoofFromAttribute | kRoofFromFloors;
+  Warning averaged{"heights_averaged", 0, {}};
+  std::int64_t stated = 0;
+  double worst = 0;
   for (std::size_t b = 0; b < members.size(); ++b)
     for (const BuildingIndex m : members[b]) {
       const Building& member = raw.buildings[m];
+      if ((member.flags & kStated) == 0) continue;
+      ++stated;
       const double block = city.buildings[BuildingIndex(b)].h_roof;
-      if ((member.flags & kPlanned) == 0 || std::abs(member.h_roof - block) <= kMost ||
-          averaged.count++ > 0)
-        continue;
+      const double off = std::abs(member.h_roof - block);
+      if (off > kMost) ++averaged.count;
+      if (off <= std::max(worst, kMost)) continue;
+      worst = off;
       averaged.message =
           fmt::format("{}, {:.1f} m high, in one of {:.1f} m", member.source_ids.front(),
                       member.h_roof - member.h_ground, block - member.h_ground);
     }
   if (averaged.count == 0) return;
   averaged.message = fmt::format(
-      "{} planned buildings are part of blocks of another height (the first, {}); with `lod` = 1.2 "
-      "they keep theirs",
-      averaged.count, averaged.message);
+      "{} of {} buildings that state heights are part of blocks of another (most, {}); with `lod` "
+      "= "
+      "1.2 they keep theirs",
+      averaged.count, stated, averaged.message);
   warnings.push_back(averaged);
 }
 
@@ -297,7 +333,15 @@ void warn_of_lost_area(const CityModel& raw, const Simplification& simple,
   warnings.push_back(warning);
 }
 
-void warn_of_roofs(const RoofFacts& roofs, Lod lod, std::vector<Warning>& warnings) {
+void warn_of_roofs(const RoofFacts& roofs, const CityModel& raw, Lod lod,
+                   std::vector<Warning>& warnings) {
+  if (!roofs.lost.empty())
+    warnings.push_back(
+        {"roofs_of_neighbours", std::ssize(roofs.lost),
+         fmt::format(
+             "{} of {} footprints have the roof of a neighbour, 2 m or more off (the first, "
+             "{}): lines between them find no room; a smaller min_building_distance has it",
+             roofs.lost.size(), raw.buildings.size(), roofs.lost.front())});
   constexpr double kMany = 0.25;
   const std::int64_t with_points = roofs.parts - roofs.parts_without_points;
   if (static_cast<double>(roofs.fallbacks) <= kMany * static_cast<double>(with_points)) return;

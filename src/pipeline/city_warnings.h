@@ -42,22 +42,25 @@ void warn_of_giants(const CityModel& raw, std::vector<Warning>& warnings);
 /// heights.
 void warn_of_missing_roofs(const CityModel& raw, std::vector<Warning>& warnings);
 
-/// Heights that are stated and not measured: of all buildings where there are no points, else where
-/// floors were counted. `raw` has heights; buildings that keep the roofs that they state, `kept`,
-/// do not count.
-void warn_of_stated_heights(const CityModel& raw, const BuildCityOptions& options,
-                            const StatedRoofs& kept, bool has_points,
+/// Heights that are stated and not measured. `raw` has heights; buildings that keep the roofs that
+/// they state, `kept`, do not count.
+void warn_of_stated_heights(const FootprintsInput& footprints, const CityModel& raw,
+                            const BuildCityOptions& options, const StatedRoofs& kept,
                             std::vector<Warning>& warnings);
+
+/// Stated heights that are averaged over blocks. `members`: of the buildings of `city` in `raw`;
+/// both have heights.
+void warn_of_averages(const CityModel& raw, const CityModel& city,
+                      std::span<const std::vector<BuildingIndex>> members,
+                      std::vector<Warning>& warnings);
 
 /// Where the heights that features state differ from the measured ones as feet do from metres, or
 /// by more than a third. `raw` has heights.
 void warn_of_other_heights(const CityModel& raw, std::vector<Warning>& warnings);
 
-/// Of features of the plan that do not show ("planned_left_out"), of planned buildings that are
-/// raised to the least height ("planned_raised"), and that are part of blocks of another height
-/// ("planned_averaged"). `members`: of the buildings of `city` in `raw`; both have heights.
+/// Of features of the plan that do not show ("planned_left_out"), and of planned buildings that are
+/// raised to the least height ("planned_raised"). `raw` and `city` have heights.
 void warn_of_plan(const FootprintsInput& footprints, const CityModel& raw, const CityModel& city,
-                  std::span<const std::vector<BuildingIndex>> members,
                   const BuildCityOptions& options, std::vector<Warning>& warnings);
 
 /// Where roof points were told by what they are not. `all_points`: of the cloud.
@@ -69,7 +72,9 @@ void warn_of_exclusion(const BuildingPoints& points, std::int64_t all_points,
 void warn_of_lost_area(const CityModel& raw, const Simplification& simple,
                        std::vector<Warning>& warnings);
 
-/// Where more than a quarter of the roofs stay below the LoD asked for.
-void warn_of_roofs(const RoofFacts& roofs, Lod lod, std::vector<Warning>& warnings);
+/// Where more than a quarter of the roofs stay below the LoD asked for, and where footprints have
+/// the roofs of neighbours.
+void warn_of_roofs(const RoofFacts& roofs, const CityModel& raw, Lod lod,
+                   std::vector<Warning>& warnings);
 
 }  // namespace tetropolis

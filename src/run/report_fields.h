@@ -137,6 +137,8 @@ void fields_of(RoofFacts& roofs, const Field& field) {
         "parts with points that stay below `lod`: too few points, or flat fits better");
   field("parts_without_points", roofs.parts_without_points, "integer", "");
   field("raised", roofs.raised, "integer", "parts raised to `min_building_height`");
+  field("lost", roofs.lost, "array of strings",
+        "footprints that have the roof of a neighbour, 2 m off or more: lines had no room");
   field("undivided", roofs.undivided, "integer",
         "buildings that stay one block, because their parts would not keep their clearance");
   field("shared_wall_corners", roofs.shared_wall_corners, "integer",

@@ -342,16 +342,62 @@ def elevations_of_roofs(out):
     return roofs
 
 
+def write_boxes(path, boxes):
+    """Footprints (xmin, ymin, xmax, ymax) with properties, in EPSG:32631."""
+    features = [{"type": "Feature", "properties": p, "geometry": {"type": "Polygon", "coordinates": [
+        [[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]]]}} for (x0, y0, x1, y1), p in boxes]
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": features,
+                                "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32631"}}}))
+    return path
+
+
+def stated_heights(_, out):
+    """Each footprint has the height that it states, where others touch it, lie in it or stand higher up the slope."""
+    out.mkdir()
+
+    def areas_by_elevation(name, boxes, *more):
+        """Square metres of the flat roofs at each elevation, and the warnings."""
+        run(out / name, "--footprints", write_boxes(out / f"{name}.geojson", boxes), "--id-attribute", "id", *more)
+        found = {}
+        for low, high, size in sqlite3.connect(out / name / "buildings.gpkg").execute("select h_min, h_max, area from parts"):
+            assert low == high
+            found[low] = found.get(low, 0) + size
+        return found, City(out / name).warnings
+
+    # Two houses that touch at a corner, along a part of a wall.
+    for along in (0.2, 0.5, 0.8, 1.0, 1.2, 3.0):
+        found, told = areas_by_elevation(f"neck{along}", [((0, 0, 20, 20), {"id": "tall", "height": 12}),
+                                                          ((20, 20 - along, 36, 36 - along), {"id": "low", "height": 4})])
+        assert set(found) == {12, 4} and "roofs_of_neighbours" not in told, (along, found)
+        near(found[12], 400, 8)
+        near(found[4], 256, 8)
+    # A tower in its podium, in either order.
+    podium, tower = ((0, 0, 60, 60), {"id": "podium", "height": 6}), ((20, 20, 40, 40), {"id": "tower", "height": 25})
+    for name, boxes in (("down", [podium, tower]), ("up", [tower, podium])):
+        found, _ = areas_by_elevation(name, boxes)
+        near(found[25], 400, 1)
+        near(found[6], 3200, 1)
+    # A row of houses up a slope of 1 in 10.
+    slope = out / "slope.asc"
+    slope.write_text("ncols 60\nnrows 20\nxllcorner -50\nyllcorner -30\ncellsize 5\nNODATA_value -9999\n" +
+                     (" ".join(f"{400 + 0.5 * i:.1f}" for i in range(60)) + "\n") * 20)
+    row = [((10 * i, 0, 10 * i + 10, 12), {"id": f"house{i}", "levels": "2" if i else "G+1", "height": None}) for i in range(12)]
+    found, told = areas_by_elevation("slope", row, "--dtm", slope)
+    for i in range(12):
+        near(found[400 + 0.5 * (47.5 + 10 * i + 5) / 5 + 6], 120, 0.1)
+    assert told["floors_not_a_number"]["count"] == 1 and "'G+1'" in told["floors_not_a_number"]["message"], told
+    assert "11 that of their floors, 1 that state neither" in told["heights_stated"]["message"], told
+    # Of columns that nobody asked for.
+    _, told = areas_by_elevation("columns", [((0, 0, 20, 20), {"id": "a", "storeys": 4, "name": "x"})])
+    assert "if storeys tells heights or floors" in told["heights_stated"]["message"], told
+
+
 def planned(folder, out):
     """What is planned stands where it is drawn, as high as it is stated; what is there makes way."""
     (out / "in").mkdir(parents=True)
 
     def write(name, boxes):
-        features = [{"type": "Feature", "properties": p, "geometry": {"type": "Polygon", "coordinates": [
-            [[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]]]}} for (x0, y0, x1, y1), p in boxes]
-        (out / "in" / name).write_text(json.dumps({"type": "FeatureCollection", "features": features,
-                                                   "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32631"}}}))
-        return out / "in" / name
+        return write_boxes(out / "in" / name, boxes)
 
     stand = {"replaced": (0, 0, 20, 20), "cut": (40, 0, 60, 20), "torn_down": (80, 0, 100, 20), "split": (120, 0, 160, 10),
              "beside": (180, 0, 200, 20), "far": (240, 40, 260, 60)}
@@ -398,8 +444,8 @@ def planned(folder, out):
     run(out / "block", *common, "--planned", plan, "--lod", "block")
     merged = City(out / "block", "city.city.json").buildings["planned:4"]
     near(merged["height"], (400 * 8 + 300 * 40) / 700, 0.01)
-    told = City(out / "block").warnings["planned_averaged"]
-    assert told["count"] == 5 and "planned:1, 12.0 m high" in told["message"], told
+    told = City(out / "block").warnings["heights_averaged"]
+    assert told["count"] == 5 and "planned:6, 50.0 m high" in told["message"], told
     # Across the boundary: what is to be torn down is cut there, what is to be built is left out and told.
     wide = write("wide.geojson", [((0, -60, 150, 60), {"height": 0}), ((260, 0, 280, 20), {"height": 9})])
     run(out / "wide", *common, "--planned", wide)
@@ -636,6 +682,7 @@ def hilly(out):
 
 
 CASES = {
+    "stated_heights": stated_heights,
     "planned": planned,
     "models": models,
     "settings": settings,
@@ -659,7 +706,7 @@ CASES = {
 def main():
     case = sys.argv[2]
     folder = (REPORTS if case[0].isdigit() else DATA) / case
-    if not folder.is_dir() and case not in ("planned", "models", "settings", "areas"):
+    if not folder.is_dir() and case not in ("stated_heights", "planned", "models", "settings", "areas"):
         print(f"skipped: {folder} is not there")
         return 77
     with tempfile.TemporaryDirectory() as scratch:

@@ -31,7 +31,9 @@ struct RoofFacts {
   /// Parts with points that stay below the LoD asked for: too few points, or flat fits better.
   std::int64_t fallbacks = 0;
   std::int64_t parts_without_points = 0;
-  std::int64_t raised = 0;     ///< Parts raised to the minimum height.
+  std::int64_t raised = 0;  ///< Parts raised to the minimum height.
+  /// Source ids of footprints most of whose points are in parts of others, 2 m off or more.
+  std::vector<std::string> lost;
   std::int64_t undivided = 0;  ///< Buildings that stay one block: their parts keep no clearance.
   /// Vertices at which four walls share a vertical line: solids have an edge of more than two faces
   /// there, and the mesher lifts a roof.

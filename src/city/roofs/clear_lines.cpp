@@ -1,11 +1,13 @@
 #include "city/roofs/clear_lines.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <functional>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -141,7 +143,7 @@ class Clearing {
     constexpr double kAgain = 1;  // m^4
     if (is_restless_)
       for (const NodeId n : {nodes.a, nodes.b, nodes.c})
-        if (n != kNone) cost += kAgain * visits_[n];
+        if (n != kNone) cost += kAgain * visits_[n] * (1 + visits_[n] / 8.0);
     ways_.push_back({cost, nodes, std::move(go)});
   }
 
@@ -236,6 +238,115 @@ class Clearing {
     points_.merge(a, b);
   }
 
+  // ---------------------------------------------------------------- lines from corner to corner
+
+  /// The place `far` or, to keep the clearance from corners, a little further along the outline
+  /// from its corner n, with region `in` beside; nullopt where another line ends before.
+  std::optional<Partition::OutlinePlace> along_outline(NodeId n, Region in, double far) const {
+    Partition::OutlinePlace place;
+    EdgeId last = kNone;
+    for (std::size_t k = 0; k < lines_.nodes().size(); ++k) {
+      const auto& edges = lines_.node(n).edges;
+      if (last != kNone && edges.size() != 2) return std::nullopt;
+      const auto next = std::find_if(edges.begin(), edges.end(), [&](EdgeId f) {
+        const Partition::Edge& edge = lines_.edge(f);
+        return f != last && edge.is_outline() && (edge.left == in || edge.right == in);
+      });
+      if (next == edges.end()) return std::nullopt;
+      const double length = lines_.length(*next);
+      far = std::max(far, options_.clearance);
+      if (far <= length - options_.clearance) {
+        place.on = *next;
+        place.p = between(lines_.at(n), lines_.at(lines_.edge(*next).other(n)), far / length);
+        return place;
+      }
+      far -= length;
+      place.passed.push_back(last = *next);
+      n = lines_.edge(*next).other(n);
+    }
+    return std::nullopt;
+  }
+
+  /// The corners from an end of edge e to a place on the outline, and the place.
+  std::vector<Point2> way_to(const Partition::OutlinePlace& place, NodeId n) const {
+    std::vector<Point2> way{lines_.at(n)};
+    for (const EdgeId side : place.passed) way.push_back(lines_.at(n = lines_.edge(side).other(n)));
+    way.push_back(place.p);
+    return way;
+  }
+
+  /// Whether a line between two places on the outline keeps the clearance and its angles.
+  bool may_cut(EdgeId e, const Partition::OutlinePlace& from,
+               const Partition::OutlinePlace& to) const {
+    const Point2 x = from.p, y = to.p;
+    if (distance(x, y) < options_.clearance) return false;
+    for (const auto& [place, other] : {std::pair(&from, y), std::pair(&to, x)})
+      for (const NodeId n : {lines_.edge(place->on).a, lines_.edge(place->on).b})
+        if (angle_between(place->p, lines_.at(n), other) < min_angle_) return false;
+    Bounds2 box = Bounds2::nothing();
+    box.extend(x);
+    box.extend(y);
+    bool clear = true;
+    lines_.for_each_edge_near(box.grown(options_.clearance), [&](EdgeId f) {
+      const Partition::Edge& edge = lines_.edge(f);
+      const Point2 a = lines_.at(edge.a), b = lines_.at(edge.b);
+      if (f == e) return;
+      for (const NodeId n : {edge.a, edge.b})
+        clear = clear && distance_to_segment(lines_.at(n), x, y) >= options_.clearance;
+      clear = clear && (f == from.on || distance_to_segment(x, a, b) >= options_.clearance) &&
+              (f == to.on || distance_to_segment(y, a, b) >= options_.clearance);
+    });
+    return clear;
+  }
+
+  /// Edge e is between two corners with no room for it, as where houses touch at theirs: it goes
+  /// into the region on one of its sides, to where there is.
+  void offer_pushes(EdgeId e) {
+    const Partition::Edge edge = lines_.edge(e);
+    if (only_removals_ || edge.is_outline() || !lines_.node(edge.a).corner ||
+        !lines_.node(edge.b).corner)
+      return;
+    constexpr std::array kSteps{1.0, 1.5, 2.0, 3.0, 4.0, 6.0};
+    for (const Region in : {edge.left, edge.right})
+      for (const double step_a : kSteps)
+        for (const double step_b : kSteps) {
+          const auto from_a = along_outline(edge.a, in, step_a * options_.clearance);
+          const auto from_b = along_outline(edge.b, in, step_b * options_.clearance);
+          if (!from_a || !from_b || !may_cut(e, *from_a, *from_b)) continue;
+          std::vector<Point2> ring = way_to(*from_a, edge.a);
+          const std::vector<Point2> back = way_to(*from_b, edge.b);
+          ring.insert(ring.end(), back.rbegin(), back.rend());
+          add(cost_of_ring(ring, in, in == edge.left ? edge.right : edge.left), {},
+              [this, e, in, a = *from_a, b = *from_b, ring] {
+                if (holds_node(ring) || !lines_.push(e, in, a, b)) return false;
+                Bounds2 box = Bounds2::nothing();
+                for (const Point2 p : ring) box.extend(p);
+                lines_.tidy();
+                points_.update(box, lines_);
+                return true;
+              });
+        }
+  }
+
+  /// Of what is in a ring, from one region to another.
+  double cost_of_ring(const std::vector<Point2>& ring, Region from, Region to) const {
+    double sum = 0, area = 0;
+    for (std::size_t k = 2; k < ring.size(); ++k) {
+      const double turn = orient2d(ring[0], ring[k - 1], ring[k]);
+      area += turn;
+      if (turn > 0) sum += points_.cost_of_triangle(ring[0], ring[k - 1], ring[k], from, to);
+      if (turn < 0) sum -= points_.cost_of_triangle(ring[0], ring[k], ring[k - 1], from, to);
+    }
+    return area < 0 ? -sum : sum;
+  }
+
+  bool holds_node(const std::vector<Point2>& ring) const {
+    return std::any_of(lines_.nodes().begin(), lines_.nodes().end(), [&](const auto& node) {
+      return !node.edges.empty() && std::find(ring.begin(), ring.end(), node.p) == ring.end() &&
+             contains({ring, {}}, node.p);
+    });
+  }
+
   void offer_separation(NodeId n, EdgeId e) {
     const Partition::Edge edge = lines_.edge(e);
     const Partition::Node& node = lines_.node(n);
@@ -252,6 +363,7 @@ class Clearing {
     offer_moves(edge.a);
     offer_moves(edge.b);
     offer_bends(n, e);
+    offer_pushes(e);
     for (const NodeId end : {edge.a, edge.b})
       if (lines_.node(end).corner && !edge.is_outline())
         for (const EdgeId side : lines_.node(end).edges)
@@ -433,6 +545,7 @@ class Clearing {
     if (conflict.node == kNone) {
       nodes = {edge.a, edge.b};
       offer_collapse(conflict.edge);
+      offer_pushes(conflict.edge);
       for (const NodeId n : nodes) {
         offer_straightening(n);
         if (!only_removals_) offer_moves(n);

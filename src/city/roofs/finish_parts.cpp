@@ -133,6 +133,9 @@ RoofPlane tamed(const RoofPlane& plane, Point2 pivot, const Polygon& outline, do
 /// Metres from its footprint's outline within which a point may be of a wall, or of a neighbour.
 constexpr double kRim = 0.5;
 
+/// Metres off a roof from which on a point is not of it.
+constexpr double kStray = 2;
+
 class Finishing {
  public:
   Finishing(const RoofInput& input, Partition& lines, RegionPoints& points,
@@ -153,8 +156,13 @@ class Finishing {
     result_.squared_errors.assign(input_.members.size(), 0);
     result_.flat_squared_errors = result_.squared_errors;
     result_.counts.assign(input_.members.size(), 0);
+    seen_ = strayed_ = result_.counts;
     for (const Partition::Face& face : lines_.faces())
       result_.parts.push_back(part_of(face.region, polygon_of(face, lines_)));
+    constexpr std::int64_t kEnough = 10;  // points
+    for (std::size_t m = 0; m < seen_.size(); ++m)
+      if (seen_[m] >= kEnough && 2 * strayed_[m] > seen_[m])
+        result_.lost.push_back(static_cast<MemberNumber>(m));
     return std::move(result_);
   }
 
@@ -183,6 +191,10 @@ class Finishing {
     for (const std::uint32_t p : list) {
       const Point3& point = input_.points.values[p];
       const std::size_t m = member_of_[p];
+      ++seen_[m];
+      if (finished.member != static_cast<MemberNumber>(m) &&
+          std::abs(height_above(part.roof, point)) >= kStray)
+        ++strayed_[m];
       if (!is_measured(m) || distance_to_boundary(*input_.members[m], {point[0], point[1]}) < kRim)
         continue;
       const double d = height_above(part.roof, point);
@@ -256,8 +268,9 @@ class Finishing {
   Partition& lines_;
   RegionPoints& points_;
   const FinishOptions& options_;
-  std::vector<std::size_t> member_of_;  ///< Per point.
-  std::vector<double> flat_heights_;    ///< Per member.
+  std::vector<std::size_t> member_of_;        ///< Per point.
+  std::vector<double> flat_heights_;          ///< Per member.
+  std::vector<std::int64_t> seen_, strayed_;  ///< Per member: points, those off parts of others.
   FinishedRoof result_;
 };
 

@@ -34,6 +34,8 @@ struct FinishedRoof {
   std::vector<double> squared_errors;
   std::vector<std::int64_t> counts;
   std::vector<double> flat_squared_errors;  ///< The same of one flat roof per member.
+  /// Ascending: members most of whose points are in parts of others, 2 m off or more.
+  std::vector<MemberNumber> lost;
 
   /// Whether a member has enough points for its errors to say something.
   bool has_fit(std::size_t member) const { return counts[member] >= 20; }

@@ -31,7 +31,7 @@ bool LineConflicts::is_short(EdgeId e) const {
 double LineConflicts::nearness(NodeId n, EdgeId e) const {
   const Partition::Edge& edge = lines_.edge(e);
   const Partition::Node& node = lines_.node(n);
-  if (edge.has(n) || (edge.is_outline() && node.corner && !can_move(e))) return kInfinity;
+  if (edge.has(n) || (edge.is_outline() && node.corner)) return kInfinity;
   const Point2 p = node.p, a = lines_.at(edge.a), b = lines_.at(edge.b);
   const double d = distance_to_segment(p, a, b);
   if (!(d < clearance_)) return kInfinity;

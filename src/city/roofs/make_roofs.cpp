@@ -54,6 +54,7 @@ RoofInput input_of(const Building& building, const CityModel& raw, const Buildin
   for (const BuildingIndex m : members) {
     const Building& footprint = raw.buildings[m];
     input.members.push_back(&footprint.footprint);
+    input.heights.push_back(footprint.h_roof);
     std::vector<Point3> list;
     for (const PointIndex p : points.roof[m]) list.push_back({cloud.x[p], cloud.y[p], cloud.z[p]});
     RoofSource source = RoofSource::kMeasured;
@@ -90,6 +91,17 @@ void count(const FinishedRoof& roof, const Building& building, Lod wanted, Build
     if (roof.has_fit(m))
       result.rmse.push_back(
           std::sqrt(roof.squared_errors[m] / static_cast<double>(roof.counts[m])));
+}
+
+/// The ground of a building, as low as that of members whose roofs would have to be raised for it:
+/// houses in a row down a slope.
+double ground_below(const Building& building, const CityModel& raw,
+                    const std::vector<BuildingIndex>& members, double min_height) {
+  double ground = building.h_ground;
+  for (const BuildingIndex m : members)
+    if (raw.buildings[m].h_roof < building.h_ground + min_height)
+      ground = std::min(ground, raw.buildings[m].h_ground);
+  return ground;
 }
 
 /// A roof as good as can be, and the building with its parts.
@@ -141,6 +153,7 @@ double off_stated_heights(const Attempt& made, const RoofInput& input, double cl
 BuildingFacts make_roof(Building& building, const RoofInput& input, const CityModel& raw,
                         const std::vector<BuildingIndex>& members, const RoofOptions& options) {
   BuildingFacts result;
+  building.h_ground = ground_below(building, raw, members, options.min_height);
   const RoofFindings found = find_planes(input, options);
   RoofOptions tried = options;
   // What cannot keep its clearance, or does not reach stated heights where they are, is made with
@@ -163,6 +176,9 @@ BuildingFacts make_roof(Building& building, const RoofInput& input, const CityMo
       separate_valleys(best->building, options.clearance, options.min_area);
   building = std::move(best->building);
   count(best->roof, building, options.lod, result);
+  for (const MemberNumber m : best->roof.lost)
+    result.facts.lost.push_back(
+        raw.buildings[members[static_cast<std::size_t>(m)]].source_ids.front());
   result.facts.parts = static_cast<std::int64_t>(building.parts.size());
   for (const RoofPart& part : building.parts) {
     ++result.facts.parts_by_lod[name_of(part.lod)];
@@ -178,6 +194,7 @@ void add(const BuildingFacts& one, BuildingFacts& all) {
   sum.fallbacks += one.facts.fallbacks;
   sum.parts_without_points += one.facts.parts_without_points;
   sum.raised += one.facts.raised;
+  sum.lost.insert(sum.lost.end(), one.facts.lost.begin(), one.facts.lost.end());
   sum.undivided += one.facts.undivided;
   sum.shared_wall_corners += one.facts.shared_wall_corners;
   sum.max_slope_deg = std::max(sum.max_slope_deg, one.facts.max_slope_deg);

@@ -226,6 +226,11 @@ bool Partition::lead_through(EdgeId e, NodeId n) {
   return true;
 }
 
+Partition::NodeId Partition::end_of(NodeId from, std::span<const EdgeId> path) const {
+  for (const EdgeId e : path) from = edges_[e].other(from);
+  return from;
+}
+
 void Partition::fold_onto(EdgeId e, EdgeId g, NodeId n, bool left) {
   const NodeId common = edges_[g].other(n), far = edges_[e].other(common);
   const auto side = [&](EdgeId id, bool on_left) {
@@ -323,6 +328,29 @@ bool Partition::branch_at_end(EdgeId g, NodeId a, EdgeId e) {
   const Region beyond = (edges_[g].a == a) == g_left_of_e ? edges_[g].left : edges_[g].right;
   redirect(g, a, b);
   ((edges_[e].a == a) == g_left_of_e ? edges_[e].left : edges_[e].right) = beyond;
+  return true;
+}
+
+bool Partition::push(EdgeId e, Region in, const OutlinePlace& from_a, const OutlinePlace& from_b) {
+  const std::array<EdgeId, 3> ignored{e, from_a.on, from_b.on};
+  if (from_a.on == from_b.on || !is_free(from_a.p, from_b.p, kNone, kNone, ignored)) return false;
+  const bool in_left = edges_[e].left == in;
+  const Region beyond = in_left ? edges_[e].right : edges_[e].left;
+  const auto cross = [&](EdgeId side) {
+    (edges_[side].left == in ? edges_[side].left : edges_[side].right) = beyond;
+  };
+  const auto end_at = [&](const OutlinePlace& place, NodeId corner) {
+    for (const EdgeId side : place.passed) cross(side);
+    const NodeId near = place.passed.empty() ? corner : end_of(corner, place.passed);
+    const NodeId n = add_node(place.p, false, true);
+    split(place.on, n);
+    cross(edge_between(n, near));
+    return n;
+  };
+  const NodeId a = end_at(from_a, edges_[e].a), b = end_at(from_b, edges_[e].b);
+  remove(e);
+  add_edge(a, b, in_left ? in : beyond, in_left ? beyond : in);
+  is_tidy_ = false;
   return true;
 }
 

@@ -91,6 +91,16 @@ class Partition {
   /// The same, at the other end of e.
   bool branch_at_end(EdgeId g, NodeId a, EdgeId e);
 
+  /// A place on the outline, some way from a corner.
+  struct OutlinePlace {
+    std::vector<EdgeId> passed{};  ///< Sides between the corner and side `on`.
+    EdgeId on = kNone;
+    Point2 p;  ///< Between the ends of `on`.
+  };
+  /// Moves edge e, between two corners of the outline, into region `in` on one side of it: it ends
+  /// at `from_a` and `from_b`, which are reached from its ends along `in`.
+  bool push(EdgeId e, Region in, const OutlinePlace& from_a, const OutlinePlace& from_b);
+
   /// Gives all of `gone` to `keep`, and removes the edges between them.
   void merge(Region keep, Region gone);
   /// Removes what separates nothing: edges with one region on both sides, nodes of the outline that
@@ -135,6 +145,8 @@ class Partition {
   /// As fold; `left`: the node lies on the left of the edge from the common end.
   void fold_onto(EdgeId e, EdgeId g, NodeId n, bool left);
   void split(EdgeId e, NodeId n);
+  /// The last node of a path of edges.
+  NodeId end_of(NodeId from, std::span<const EdgeId> path) const;
 
   std::vector<Node> nodes_;
   std::vector<Edge> edges_;

@@ -183,12 +183,18 @@ void fill_gaps(RoofCells& cells) {
   cells.member = std::move(filled);
 }
 
-/// Cells whose centre is in a member are its; others fill gaps.
+/// Cells whose centre is in a member are its, in several those of the highest: what stands on a
+/// podium is in the podium's footprint, too. Others fill gaps.
 void assign_members(const RoofInput& input, RoofCells& cells) {
   const bool is_alone = input.members.size() == 1;
   cells.member.assign(cells.size(), is_alone ? 0 : -1);
   if (is_alone) return;
-  for (std::size_t m = 0; m < input.members.size(); ++m) {
+  std::vector<std::size_t> downwards(input.members.size());
+  std::iota(downwards.begin(), downwards.end(), std::size_t{0});
+  std::stable_sort(downwards.begin(), downwards.end(), [&](std::size_t a, std::size_t b) {
+    return input.heights[a] > input.heights[b];
+  });
+  for (const std::size_t m : downwards) {
     const Bounds2 box = bounds(*input.members[m]);
     for (std::size_t c = 0; c < cells.size(); ++c) {
       if (cells.member[c] >= 0) continue;

@@ -22,6 +22,7 @@ enum class RoofSource : std::uint8_t {
 struct RoofInput {
   Polygon footprint;                    ///< Of the building.
   std::vector<const Polygon*> members;  ///< The footprints it is merged from; never empty.
+  std::vector<double> heights;          ///< Per member: of its roof, elevation.
   RaggedArray<Point3> points;           ///< Per member: its roof points.
   std::vector<RoofSource> sources;      ///< Per member.
 

@@ -143,6 +143,10 @@ HeightReader::HeightReader(const fs::path& path, OGRLayerH layer,
       floor_height_(options.floor_height),
       unit_(options.height_unit) {}
 
+void HeightReader::Unusable::add(const std::string& id, const std::string& text) {
+  if (count++ == 0) first = fmt::format("feature {}: '{}'", id, first_bytes(text, 40));
+}
+
 StatedHeight HeightReader::read(OGRFeatureH feature, const std::string& id) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   constexpr double kMost = 1100;  // metres: no building is that high
@@ -157,12 +161,15 @@ StatedHeight HeightReader::read(OGRFeatureH feature, const std::string& id) {
       ++usable_;
       if (value > 0) return {value};
       stated = value;
-    } else if (others_++ == 0) {
-      first_ = fmt::format("feature {}: '{}'", id, first_bytes(text, 40));
+    } else {
+      heights_.add(id, text);
     }
   }
-  const double floors = floors_of(floors_.text(feature));
+  const std::string storeys = floors_.text(feature);
+  const double floors = floors_of(storeys);
   if (floors > 0 && floors <= kMostFloors) return {floors * floor_height_, true};
+  if (storeys.find_first_not_of(' ') != std::string::npos && !(floors <= 0))
+    storeys_.add(id, storeys);
   return {stated};
 }
 
@@ -174,16 +181,21 @@ std::vector<Warning> HeightReader::warnings() const {
                                     "{}; name another with height_attribute or height_unit",
                                     path_.string(), height_.name(),
                                     unit_ == 1 ? "metres" : fmt::format("{:.4g} m", unit_))});
-  if (others_ == 0) return warnings;
-  if (usable_ == 0 && is_asked_for_)
+  if (heights_.count > 0 && usable_ == 0 && is_asked_for_)
     fail_input(
         path_,
         fmt::format("attribute '{}' has no usable height ({}); name another with height_attribute",
-                    height_.name(), first_));
-  warnings.push_back(
-      {"height_not_a_number", others_,
-       one_line(fmt::format("{}: {} features have no usable height in '{}' (first: {})",
-                            path_.string(), others_, height_.name(), first_))});
+                    height_.name(), heights_.first));
+  const auto tell = [&](const char* code, const Unusable& values, const char* what,
+                        const std::string& name) {
+    if (values.count > 0)
+      warnings.push_back(
+          {code, values.count,
+           one_line(fmt::format("{}: {} features have no usable {} in '{}' (first: {})",
+                                path_.string(), values.count, what, name, values.first))});
+  };
+  tell("height_not_a_number", heights_, "height", height_.name());
+  tell("floors_not_a_number", storeys_, "number of floors", floors_.name());
   return warnings;
 }
 

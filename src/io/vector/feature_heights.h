@@ -73,8 +73,13 @@ class HeightReader {
   double floor_height_;
   double unit_;
   std::int64_t usable_ = 0;
-  std::int64_t others_ = 0;
-  std::string first_;
+  /// Values that are none, and the first of them.
+  struct Unusable {
+    std::int64_t count = 0;
+    std::string first{};
+    void add(const std::string& id, const std::string& text);
+  };
+  Unusable heights_, storeys_;
 };
 
 }  // namespace tetropolis
