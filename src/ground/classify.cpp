@@ -1,4 +1,7 @@
+#include <cstddef>
+#include <cstdint>
 #include <utility>
+#include <vector>
 
 #include "tetropolis/geometry/polygon.h"
 
@@ -8,9 +11,6 @@
 namespace tetropolis {
 
 namespace {
-
-// Of a patch and what lies around it, so that they fit a core's own cache.
-constexpr std::size_t kPatchTriangles = 4096;
 
 bool inside(const TriMesh::Triangle& x) {
   return x.v[0] != TriMesh::kDead && x.region != kOutsideRegion;
@@ -88,29 +88,23 @@ void carve_outside(TriMesh& mesh) {
   mesh.renumber(number);
 }
 
-std::vector<std::int32_t> carve_into_patches(TriMesh& mesh) {
-  if (mesh.triangles.empty()) return {};
-  // Squares of one size, in the order of the curve: the leading digits of positions along it.
-  int digits = 0;
-  while (digits < 16 && (mesh.triangles.size() >> digits) > kPatchTriangles) digits += 2;
+void carve_along_curve(TriMesh& mesh) {
   const HilbertCurve curve(bounds(mesh.points));
-  std::vector<std::int32_t> patch(mesh.triangles.size(), TriMesh::kNothing);
-  std::vector<std::int32_t> ends((std::size_t{1} << digits) + 1, 0);
-  for (std::size_t t = 0; t < patch.size(); ++t) {
+  std::vector<std::int32_t> kept;
+  std::vector<std::uint32_t> places;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const TriMesh::Triangle& x = mesh.triangles[t];
     if (!inside(x)) continue;
-    const std::uint64_t place = curve(mesh.point(x.v[0]));
-    patch[t] = static_cast<std::int32_t>(place >> (32 - digits));
-    ++ends[static_cast<std::size_t>(patch[t]) + 1];
+    const Point2 a = mesh.point(x.v[0]), b = mesh.point(x.v[1]), c = mesh.point(x.v[2]);
+    kept.push_back(static_cast<std::int32_t>(t));
+    places.push_back(curve({(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3}));
   }
-  for (std::size_t p = 1; p < ends.size(); ++p) ends[p] += ends[p - 1];
-  // A patch's start goes on to its end while its triangles are numbered.
-  std::vector<std::int32_t> number = std::move(patch);
-  for (std::int32_t& t : number)
-    if (t >= 0) t = ends[static_cast<std::size_t>(t)]++;
+  const std::vector<std::int32_t> order = sorted_order(places);
+  std::vector<std::int32_t> number(mesh.triangles.size(), TriMesh::kNothing);
+  for (std::size_t k = 0; k < order.size(); ++k)
+    number[static_cast<std::size_t>(kept[static_cast<std::size_t>(order[k])])] =
+        static_cast<std::int32_t>(k);
   mesh.renumber(number);
-  ends.pop_back();
-  return ends;
 }
 
 Construction construct(const PlanarGraph& graph, bool convex_hull) {

@@ -41,9 +41,9 @@ Construction construct(const PlanarGraph& graph, bool convex_hull);
 /// Removes ghosts and what lies outside.
 void carve_outside(TriMesh& mesh);
 
-/// The same, and puts triangles that are near each other into patches of some thousands with
-/// consecutive numbers. Returns where the numbers of each patch end.
-std::vector<std::int32_t> carve_into_patches(TriMesh& mesh);
+/// The same, and numbers triangles along a Hilbert curve: what is near has numbers that are, and no
+/// far place changes their order.
+void carve_along_curve(TriMesh& mesh);
 
 /// Copies the mesh into the public arrays. Subsegments' pieces are looked up in `piece_input` if
 /// that is not empty.

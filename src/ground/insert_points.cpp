@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -58,7 +59,9 @@ std::vector<std::int32_t> insertion_order(const std::vector<Point2>& points) {
   const HilbertCurve curve(bounds(points));
   std::vector<std::uint32_t> keys(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const std::uint64_t coins = mix64(i);  // a deterministic stand-in for tossed ones
+    // A deterministic stand-in for tossed ones, which no far point changes.
+    const std::uint64_t coins = mix64(mix64(std::bit_cast<std::uint64_t>(points[i].x)) ^
+                                      std::bit_cast<std::uint64_t>(points[i].y));
     int round = kRounds;
     // A point moves to the round before with probability 1/8.
     while (round > 0 && ((coins >> (3 * (kRounds - round))) & 7U) == 0) --round;

@@ -110,7 +110,6 @@ bool stays_delaunay(const TriMesh& mesh, const Star& star, Point2 p) {
 
 }  // namespace
 
-// In the order of the patches, those triangles that refining a patch has added after its own.
 void Refiner::optimize(const Progress& progress) {
   const double sine = std::sin(to_radians(kContentAngle));
   const double content = sine * sine;
@@ -124,11 +123,10 @@ void Refiner::optimize(const Progress& progress) {
       if (kind(x.v[i]) == kFreeVertex && !std::exchange(tried[static_cast<std::size_t>(x.v[i])], 1))
         move_vertex(x.v[i], 4 * t + i, content);
   };
-  for (const Patch& patch : patches_) {
-    progress.update(static_cast<double>(&patch - patches_.data()) /
-                    static_cast<double>(patches_.size()));
-    for (std::int32_t t = patch.first; t < patch.last; ++t) visit(t);
-    for (std::int32_t t = patch.first_added; t < patch.last_added; ++t) visit(t);
+  const auto count = static_cast<std::int32_t>(mesh_.triangles.size());
+  for (std::int32_t t = 0; t < count; ++t) {
+    if ((t & 0xfff) == 0) progress.update(static_cast<double>(t) / count);
+    visit(t);
   }
 }
 

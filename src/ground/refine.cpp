@@ -172,8 +172,8 @@ bool Refiner::pop(BadTriangle& bad) {
   while (filled_ != 0) {
     const int b = std::countr_zero(filled_);
     auto& bucket = buckets_[static_cast<std::size_t>(b)];
-    bad = bucket.back();
-    bucket.pop_back();
+    bad = bucket.front();
+    bucket.pop_front();
     --queued_;
     if (bucket.empty()) filled_ &= ~(std::uint64_t{1} << b);
     const TriMesh::Triangle& x = mesh_.tri(bad.t);
@@ -355,26 +355,13 @@ void Refiner::improve(const BadTriangle& bad) {
   if (any) again();
 }
 
-// A patch with all that follows from it, before the next: worst first over the whole mesh would
-// fetch nearly every triangle from far memory, for a thousandth fewer of them in the end.
-void Refiner::run(const std::vector<std::int32_t>& ends, const Progress& progress) {
+// Worst first over the whole mesh, and of as bad ones the first along the curve: all places are
+// refined alike, and what one has does not go far. Depth first, a house would change the order in
+// which others come to the end of the mesh.
+void Refiner::run(const Progress& progress) {
   mesh_.touched.clear();
   for (TriMesh::Triangle& x : mesh_.triangles) x.considered = 0;
-  const double share = 1 / static_cast<double>(std::max<std::size_t>(ends.size(), 1));
-  patches_.reserve(ends.size());
-  std::int32_t first = 0;
-  for (const std::int32_t last : ends) {
-    const double begin = share * static_cast<double>(patches_.size());
-    const auto first_added = static_cast<std::int32_t>(mesh_.triangles.size());
-    for (std::int32_t t = last; t-- > first;) consider(t);
-    drain(portion(progress, begin, begin + share));
-    patches_.push_back(
-        {first, last, first_added, static_cast<std::int32_t>(mesh_.triangles.size())});
-    first = last;
-  }
-}
-
-void Refiner::drain(const Progress& progress) {
+  for (std::int32_t t = 0; t < static_cast<std::int32_t>(mesh_.triangles.size()); ++t) consider(t);
   double fraction = 0;
   progress.update(fraction);
   for (std::int64_t steps = 1;; ++steps) {
@@ -423,9 +410,9 @@ Triangulation refine(const PlanarGraph& graph, const RefineOptions& options,
   progress.update(0.1);
   Refiner refiner(graph, options, construction);
   refiner.seed(portion(progress, 0.1, 0.5));
-  const std::vector<std::int32_t> patches = carve_into_patches(construction.mesh);
+  carve_along_curve(construction.mesh);
   progress.update(0.55);
-  refiner.run(patches, portion(progress, 0.55, 0.8));
+  refiner.run(portion(progress, 0.55, 0.8));
   if (options.optimize) refiner.optimize(portion(progress, 0.8, 0.95));
   if (options.elevation) refiner.flatten(portion(progress, 0.95, 0.99));
   Triangulation result = export_triangulation(graph, construction, refiner.piece_inputs());

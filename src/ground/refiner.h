@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <deque>
 #include <vector>
 
 #include "tetropolis/core/progress.h"
@@ -67,8 +68,8 @@ class Refiner {
 
   /// Even cuts of the pieces, and the lattice. Before the outside is carved.
   void seed(const Progress& progress);
-  /// After it is carved, patch by patch. `ends`: of carve_into_patches().
-  void run(const std::vector<std::int32_t>& ends, const Progress& progress);
+  /// After it is carved along the curve.
+  void run(const Progress& progress);
   /// Moves free vertices where that widens the smallest angle around them and breaks no guarantee.
   void optimize(const Progress& progress);
   /// The same where that makes steep triangles less steep. Precondition: there are elevations.
@@ -97,11 +98,6 @@ class Refiner {
 
     int shortest() const { return squared[0] == least ? 0 : squared[1] == least ? 1 : 2; }
     int longest() const { return squared[2] == most ? 2 : squared[1] == most ? 1 : 0; }
-  };
-  // Triangles that are near each other: those there were, and those that refining them has added.
-  struct Patch {
-    std::int32_t first, last;
-    std::int32_t first_added, last_added;
   };
   // Worst first: buckets of skinny triangles by shortest edge, doubling its square from one to the
   // next, then triangles that are only too large by falling circumradius.
@@ -141,7 +137,6 @@ class Refiner {
   int oversized_bucket(const TriMesh::Triangle& x, const Shape& s, int edge) const;
   void consider(std::int32_t t);
   void consider_touched();
-  void drain(const Progress& progress);
   bool pop(BadTriangle& bad);
   void improve(const BadTriangle& bad);
   Point2 split_position(const TriMesh::Triangle& x, const Shape& s, bool is_skinny) const;
@@ -179,12 +174,11 @@ class Refiner {
   TriMesh& mesh_;
   SizeBound size_;
   std::vector<Piece> pieces_;
-  std::vector<Patch> patches_;
   std::vector<std::int32_t> kinds_;
   std::vector<double> hard_bounds_;  ///< Per hard vertex, if segments have bounds: the least.
   std::vector<double> elevations_;   ///< Per vertex, while flattening.
   std::vector<std::int32_t> unused_vertices_;
-  std::array<std::vector<BadTriangle>, kBuckets> buckets_;
+  std::array<std::deque<BadTriangle>, kBuckets> buckets_;
   std::uint64_t filled_ = 0;  // bit b: bucket b is not empty
   std::int64_t queued_ = 0;
   std::vector<LongSubsegment> encroached_;
