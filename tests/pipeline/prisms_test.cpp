@@ -137,7 +137,7 @@ TEST(Prisms, GiveWayToTetsOnSteepTerrain) {
 
 TEST(Prisms, CutBackPits) {
   const testing::SmallCity pit = testing::small_city([](double x, double y) {
-    return -7 * std::clamp((8 - std::max(std::abs(x - 62), std::abs(y - 40))) / 3, 0.0, 1.0);
+    return -9 * std::clamp((8 - std::max(std::abs(x - 62), std::abs(y - 40))) / 3, 0.0, 1.0);
   });
   const CityMesh kept = mesh_of(pit, Cells::kPrisms, 5, 90), cut = mesh_of(pit, Cells::kPrisms, 5);
   EXPECT_GT(kept.volume_facts.prisms.max_non_orthogonality_deg, 60);

@@ -49,7 +49,7 @@ TEST(MendFront, IsAsIfAllColumnsHadClimbedAgain) {
   for (std::vector<FrontSteps>& tiles : phases)
     for (FrontSteps& tile : tiles) tile.poor.clear();
   // Said to be poor, more than any will be.
-  for (const Point2 place : {Point2{-150, -120}, Point2{60, 45}, Point2{240, 260}}) {
+  for (const Point2 place : {Point2{-140, -110}, Point2{60, 45}, Point2{240, 260}}) {
     VertexIndex nearest{0};
     const auto distance = [&](VertexIndex v) {
       const Point2 p = mesh.ground.vertices[v];
