@@ -32,7 +32,8 @@ CityModel random_boxes() {
       const Point2 centre{x + real(-15, 15), y + real(-15, 15)};
       Building building;
       building.id = "b" + std::to_string(city.buildings.size());
-      for (const auto& [u, v] : std::array<std::pair<double, double>, 4>{{{-a, -b}, {a, -b}, {a, b}, {-a, b}}})
+      for (const auto& [u, v] :
+           std::array<std::pair<double, double>, 4>{{{-a, -b}, {a, -b}, {a, b}, {-a, b}}})
         building.footprint.outer.push_back({centre.x + u * std::cos(turn) - v * std::sin(turn),
                                             centre.y + u * std::sin(turn) + v * std::cos(turn)});
       building.h_ground = 0;
