@@ -180,7 +180,28 @@ Config ConfigOptions::config() const {
       set_field(config, *field, std::vector<std::string>{given.on ? "true" : "false"},
                 option_name(*field));
   place_words(config);
+  suggest_out(config);
   return config;
+}
+
+/// The folder for the results may have been taken for a file to read: the last word of a list.
+void ConfigOptions::suggest_out(const Config& config) const {
+  const ConfigField& out = *find_field("out");
+  if ((out.commands & command_) == 0 || is_given(out, config)) return;
+  std::vector<std::string> last;
+  for (const char* name : {"footprints", "points", "dtm", "dsm"})
+    if (const auto& words =
+            config.*std::get<std::vector<std::string> Config::*>(find_field(name)->member);
+        !words.empty())
+      last.push_back(words.back());
+  std::error_code error;
+  for (const std::string& word : last)
+    if (is_nowhere(word) ||
+        (words_.size() > 1 && word == words_.back() && std::filesystem::is_directory(word, error)))
+      throw Error(
+          ErrorKind::kUsage,
+          fmt::format("missing: --out (a folder for the results); if {} is it, write --out {}",
+                      word, word));
 }
 
 std::string with_options(const std::string& message) {

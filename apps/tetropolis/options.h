@@ -28,6 +28,7 @@ class ConfigOptions {
 
  private:
   void place_words(Config& config) const;
+  void suggest_out(const Config& config) const;
 
   Command command_;
   std::string file_;

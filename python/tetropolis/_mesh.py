@@ -38,6 +38,12 @@ def _shift(origin: tuple[float, float, float], coordinates: str) -> Floats:
     return np.array(origin if coordinates == "absolute" else (0.0, 0.0, 0.0))
 
 
+def _read_only(array: Any) -> Any:
+    """What is saved is the mesh itself: changes of a copy would be lost."""
+    array.flags.writeable = False
+    return array
+
+
 class Surface:
     """Tagged triangles of a mesh. All arrays are the library's own memory, read-only."""
 
@@ -205,27 +211,27 @@ class Mesh(Reported):
     @cached_property
     def points(self) -> Floats:
         """Nodes, metres in the local frame, shape (n_points, 3): those of columns, column by column and upwards, then
-        those above the lid over the city and of prisms."""
-        return self._core.points()
+        those above the lid over the city and of prisms. Read-only, as all arrays of meshes: copy them to change them."""
+        return _read_only(self._core.points())
 
     @cached_property
     def cells(self) -> Longs:
         """Tetrahedra: positions in `points`, shape (n, 4): (p1 - p0) x (p2 - p0) . (p3 - p0) > 0. All cells, unless
         there are `wedges`, too."""
-        return self._core.cells(0, self._core.n_rows)
+        return _read_only(self._core.cells(0, self._core.n_rows))
 
     @cached_property
     def wedges(self) -> Longs:
         """Prisms of `boundary_layers`, numbered after all tetrahedra: positions in `points`, shape (m, 6), a triangle
         and the one above it: (p1 - p0) x (p2 - p0) . (p3 - p0) > 0."""
-        return self._core.wedges()
+        return _read_only(self._core.wedges())
 
     @cached_property
     def region(self) -> Ints:
         """The building whose footprint each cell below the lid over the city stands over, tetrahedra first: by position
         in the city; else -1; shape (n_cells,)."""
         tets: Ints = self._core.regions(0, self._core.n_rows)
-        return np.concatenate([tets, self._core.regions_of_wedges()]) if len(self.wedges) else tets
+        return _read_only(np.concatenate([tets, self._core.regions_of_wedges()]) if len(self.wedges) else tets)
 
     @cached_property
     def zone(self) -> Ints:

@@ -60,8 +60,8 @@ std::vector<std::int32_t> insertion_order(const std::vector<Point2>& points) {
   std::vector<std::uint32_t> keys(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     // A deterministic stand-in for tossed ones, which no far point changes.
-    const std::uint64_t coins = mix64(mix64(std::bit_cast<std::uint64_t>(points[i].x)) ^
-                                      std::bit_cast<std::uint64_t>(points[i].y));
+    const std::uint64_t coins = mix64(mix64(std::bit_cast<std::uint64_t>(points[i].y)) ^
+                                      std::bit_cast<std::uint64_t>(points[i].x));
     int round = kRounds;
     // A point moves to the round before with probability 1/8.
     while (round > 0 && ((coins >> (3 * (kRounds - round))) & 7U) == 0) --round;

@@ -468,7 +468,7 @@ TEST(QualityFloor, ASharpCornerKeepsNoTerrainElsewhereFromBeingCut) {
     const VolumeMeshFacts mesh = *mesh_at(folder.path(), 10).volume_mesh;
     EXPECT_FALSE(mesh.feet_cut_back.empty());
     // Above the lid a few may stay, between roofs 180 m high and a hole 40 m deep.
-    EXPECT_LE(mesh.faces.above_70, 2);
+    EXPECT_LE(mesh.faces.above_70, 3);
   }
 }
 

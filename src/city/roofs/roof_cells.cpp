@@ -183,17 +183,20 @@ void fill_gaps(RoofCells& cells) {
   cells.member = std::move(filled);
 }
 
-/// Cells whose centre is in a member are its, in several those of the highest: what stands on a
-/// podium is in the podium's footprint, too. Others fill gaps.
+/// Cells whose centre is in a member are its; in several, of the highest that states its height:
+/// what stands on a podium is in the podium's footprint, too. Others fill gaps.
 void assign_members(const RoofInput& input, RoofCells& cells) {
   const bool is_alone = input.members.size() == 1;
   cells.member.assign(cells.size(), is_alone ? 0 : -1);
   if (is_alone) return;
   std::vector<std::size_t> downwards(input.members.size());
   std::iota(downwards.begin(), downwards.end(), std::size_t{0});
-  std::stable_sort(downwards.begin(), downwards.end(), [&](std::size_t a, std::size_t b) {
-    return input.heights[a] > input.heights[b];
-  });
+  // Points tell the roof wherever they are.
+  const auto top = [&](std::size_t m) {
+    return input.sources[m] == RoofSource::kMeasured ? kInfinity : input.heights[m];
+  };
+  std::stable_sort(downwards.begin(), downwards.end(),
+                   [&](std::size_t a, std::size_t b) { return top(a) > top(b); });
   for (const std::size_t m : downwards) {
     const Bounds2 box = bounds(*input.members[m]);
     for (std::size_t c = 0; c < cells.size(); ++c) {

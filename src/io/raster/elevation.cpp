@@ -329,9 +329,18 @@ Elevations read_elevations(std::span<const fs::path> paths, const ReadElevations
       fail_input(paths.front(), "has no elevation in the domain; check the CRS (raster_crs)");
     result.raster = sampled(layers, paths.front(), box, step, options, result.crs);
   }
-  for (const double value : result.raster.values) result.missing += std::isnan(value) ? 1 : 0;
-  if (result.missing == static_cast<std::int64_t>(result.raster.values.size()))
+  const Raster& raster = result.raster;
+  const auto is_missing = [](double value) { return std::isnan(value); };
+  if (std::all_of(raster.values.begin(), raster.values.end(), is_missing))
     fail_input(paths.front(), "has no value in the domain, only missing ones; name another raster");
+  // Beyond the box there may be none: corners of what is turned by reprojection.
+  const Bounds2 box = options.box.empty() ? raster.bounds().moved(options.origin) : options.box;
+  for (std::int32_t j = 0; j < raster.ny; ++j)
+    for (std::int32_t i = 0; i < raster.nx; ++i)
+      if (is_missing(raster.at(i, j)) &&
+          box.contains({raster.x0 + i * raster.step + options.origin.x,
+                        raster.y0 + j * raster.step + options.origin.y}))
+        ++result.missing;
   return result;
 }
 

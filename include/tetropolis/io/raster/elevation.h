@@ -52,7 +52,7 @@ struct ReadElevationsOptions {
 struct Elevations {
   Raster raster;                  ///< Local frame, metres; NaN where no file has a value.
   std::string crs;                ///< Of the coordinates; "" if unknown.
-  std::int64_t missing = 0;       ///< Nodes without a value.
+  std::int64_t missing = 0;       ///< Nodes in the box without a value.
   std::vector<Warning> warnings;  ///< "raster_no_elevation", "raster_units".
 };
 
