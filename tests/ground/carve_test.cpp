@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <random>
-#include <vector>
 
 #include <gtest/gtest.h>
 
