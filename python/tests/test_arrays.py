@@ -129,8 +129,8 @@ def test_geopandas(city):
 
 
 def test_prisms_alone_are_improved(tmp_path):
-    """On this relief prisms as they are laid have a skewness of 2.1."""
-    tp.synth(tmp_path, kind="blocks", size=300, roofs="sloped", seed=5, relief=80)
+    """On this relief prisms as they are laid have a skewness above 1.9."""
+    tp.synth(tmp_path, kind="blocks", size=300, roofs="sloped", seed=8, relief=60)
     city = tp.build_city(tmp_path / "footprints.shp", tmp_path)
     mesh = tp.build_mesh(city, cells="prisms", boundary_layers=5)
     assert mesh.quality["columns_improved"] > 0

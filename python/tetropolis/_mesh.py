@@ -5,7 +5,7 @@ import os
 from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -38,7 +38,10 @@ def _shift(origin: tuple[float, float, float], coordinates: str) -> Floats:
     return np.array(origin if coordinates == "absolute" else (0.0, 0.0, 0.0))
 
 
-def _read_only(array: Any) -> Any:
+_Array = TypeVar("_Array", bound=npt.NDArray[Any])
+
+
+def _read_only(array: _Array) -> _Array:
     """What is saved is the mesh itself: changes of a copy would be lost."""
     array.flags.writeable = False
     return array
