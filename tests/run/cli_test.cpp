@@ -1395,6 +1395,8 @@ TEST_F(Cli, NobodysFilesAreReplaced) {
   expect_error("build input/footprints.shp input mine", 2, "mine/volume.vtu: is in the way");
   fs::remove(scratch / "mine/report.json");
   expect_error("city input/footprints.shp input mine", 2, "mine/city_raw.city.json: is in the way");
+  expect_error("city input/footprints.shp mine", 2, "if mine is it, write --out mine");
+  expect_error("city --footprints input/footprints.shp nowhere", 2, "write --out nowhere");
 }
 
 TEST_F(Cli, SaysWhatTheInputIsAndWhatWasAssumed) {

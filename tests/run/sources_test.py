@@ -387,6 +387,15 @@ def stated_heights(_, out):
         near(found[400 + 0.5 * (47.5 + 10 * i + 5) / 5 + 6], 120, 0.1)
     assert told["floors_not_a_number"]["count"] == 1 and "'G+1'" in told["floors_not_a_number"]["message"], told
     assert "11 that of their floors, 1 that state neither" in told["heights_stated"]["message"], told
+    # A grid in degrees is turned by reprojection: its corners beyond the domain are no holes.
+    degrees = out / "degrees.asc"
+    degrees.write_text("ncols 100\nnrows 100\nxllcorner 0.13\nyllcorner 46.18\ncellsize 0.0005\nNODATA_value -9999\n" +
+                       ("7 " * 100 + "\n") * 100)
+    degrees.with_suffix(".prj").write_text('GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],'
+                                           'PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]]')
+    house = [((280400, 5119900, 280420, 5119920), {"id": "a", "height": 5})]
+    found, told = areas_by_elevation("degrees", house + [((280200, 5120100, 280210, 5120110), {"id": "b", "height": 6})], "--dtm", degrees)
+    assert "raster_filled" not in told, told
     # Of columns that nobody asked for.
     _, told = areas_by_elevation("columns", [((0, 0, 20, 20), {"id": "a", "storeys": 4, "name": "x"})])
     assert "if storeys tells heights or floors" in told["heights_stated"]["message"], told
