@@ -72,7 +72,7 @@ TEST(ImproveColumns, RepairsSpoiltColumnsAndKeepsSurfaces) {
   for (const auto& [name, terrain] : testing::kHardTerrains) {
     SCOPED_TRACE(name);
     const ColumnMesh good = testing::meshed(testing::small_city(terrain)).mesh;
-    for (const double share : {0.02, 0.3}) {
+    for (const double share : {0.06, 0.3}) {
       SCOPED_TRACE(share);
       const ColumnMesh before = testing::spoilt(good, share);
       ColumnMesh after = before;
