@@ -131,7 +131,8 @@ TEST(MeshFormats, UnwritablePlacesAreNamed) {
   std::ofstream(folder / "file") << "in the way";
   for (const auto& [name, write] : all_writers()) {
     const fs::path path = folder / "file" / name;
-    const std::string text = testing::error_of([&] { write(path, {}); }, ErrorKind::kInput);
+    const std::string text =
+        testing::error_of([&, &write = write] { write(path, {}); }, ErrorKind::kInput);
     EXPECT_NE(text.find("cannot write " + (folder / "file").string()), std::string::npos) << text;
   }
 }
