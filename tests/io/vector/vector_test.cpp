@@ -526,8 +526,9 @@ TEST(Vector, QuotesThatSwallowLinesAreErrors) {
                   "line 3: "},
         std::pair{std::string("2,x,\"POLYGON((3 8,4 8"), "line 3: "}}) {
     SCOPED_TRACE(broken);
-    const std::string message = testing::error_of(
-        [&] { read("1,x," + polygon + broken + (broken.back() == '\n' ? "9,x," + polygon : "")); });
+    const std::string message = testing::error_of([&, &broken = broken] {
+      read("1,x," + polygon + broken + (broken.back() == '\n' ? "9,x," + polygon : ""));
+    });
     EXPECT_NE(message.find(line), std::string::npos) << message;
     EXPECT_NE(message.find("quote"), std::string::npos) << message;
   }
