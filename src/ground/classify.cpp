@@ -89,6 +89,7 @@ void carve_outside(TriMesh& mesh) {
 }
 
 void carve_along_curve(TriMesh& mesh) {
+  if (mesh.triangles.empty()) return;  // collinear points, whose segments stay
   const HilbertCurve curve(bounds(mesh.points));
   std::vector<std::int32_t> kept;
   std::vector<std::uint32_t> places;

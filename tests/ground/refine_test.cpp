@@ -33,6 +33,15 @@ Triangulation expect_refined(const PlanarGraph& graph, const RefineOptions& opti
   return t;
 }
 
+TEST(Refine, KeepsTheSegmentsOfCollinearPoints) {
+  PlanarGraph graph;
+  graph.points = {{0, 0}, {1, 0}, {2, 0}};
+  graph.segments = {{VertexIndex(0), VertexIndex(1)}, {VertexIndex(1), VertexIndex(2)}};
+  const Triangulation result = refine(graph, {});
+  EXPECT_TRUE(result.triangles.empty());
+  EXPECT_EQ(result.segments.size(), 2U);
+}
+
 TEST(Refine, SquareBecomesAsFineAndAsRegularAsAsked) {
   PlanarGraph graph;
   add_ring(graph, rectangle_ring(0, 0, 100, 100));

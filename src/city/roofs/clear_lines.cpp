@@ -307,11 +307,16 @@ class Clearing {
         !lines_.node(edge.b).corner)
       return;
     constexpr std::array kSteps{1.0, 1.5, 2.0, 3.0, 4.0, 6.0};
-    for (const Region in : {edge.left, edge.right})
-      for (const double step_a : kSteps)
-        for (const double step_b : kSteps) {
-          const auto from_a = along_outline(edge.a, in, step_a * options_.clearance);
-          const auto from_b = along_outline(edge.b, in, step_b * options_.clearance);
+    const auto places = [&](NodeId n, Region in) {
+      std::array<std::optional<Partition::OutlinePlace>, kSteps.size()> found;
+      for (std::size_t k = 0; k < kSteps.size(); ++k)
+        found[k] = along_outline(n, in, kSteps[k] * options_.clearance);
+      return found;
+    };
+    for (const Region in : {edge.left, edge.right}) {
+      const auto beside_a = places(edge.a, in), beside_b = places(edge.b, in);
+      for (const auto& from_a : beside_a)
+        for (const auto& from_b : beside_b) {
           if (!from_a || !from_b || !may_cut(e, *from_a, *from_b)) continue;
           std::vector<Point2> ring = way_to(*from_a, edge.a);
           const std::vector<Point2> back = way_to(*from_b, edge.b);
@@ -326,6 +331,7 @@ class Clearing {
                 return true;
               });
         }
+    }
   }
 
   /// Of what is in a ring, from one region to another.
