@@ -575,9 +575,9 @@ def citygml_attributes(out):
 </bldg:Building></core:cityObjectMember></core:CityModel>""")
     run(out / "city", "--footprints", out / "city.gml", "--footprints-crs", "EPSG:25832")
     rows = attributes_of(out / "city")
-    names = ("name", "district", "share", "function", "yearOfConstruction")
+    names = ("parent", "name", "district", "share", "function", "yearOfConstruction")
     assert {key: tuple(r[n] for n in names) for key, r in rows.items()} == {
-        "part": ("Town hall", "0123", 0.5, 7, 1950), "other": (None, None, None, None, 1951)}, [tuple(r) for r in rows.values()]
+        "part": ("whole", "Town hall", "0123", 0.5, 7, 1950), "other": (None, None, None, None, None, 1951)}, [tuple(r) for r in rows.values()]
     assert not {"address", "Street", "value", "lod1Solid"} & set(rows["part"].keys()), rows["part"].keys()
 
 

@@ -48,9 +48,15 @@ Json attributes_of(const Json& objects, const std::string& key) {
     return attributes.is_object() ? attributes : Json::object();
   };
   Json all = Json::object();
-  if (const Json& object = objects.at(key); object.is_object() && object.contains("parents"))
-    if (const Json& parents = object.at("parents"); parents.is_array() && !parents.empty())
-      if (parents.front().is_string()) all = own(parents.front().get<std::string>());
+  const Json& object = objects.at(key);
+  const Json* parents = nullptr;
+  if (object.is_object() && object.contains("parents")) parents = &object.at("parents");
+  if (parents != nullptr && parents->is_array() && !parents->empty() &&
+      parents->front().is_string()) {
+    const auto& parent = parents->front().get_ref<const std::string&>();
+    all = own(parent);
+    all.emplace("parent", parent);
+  }
   const Json more = own(key);
   for (const auto& [name, value] : more.items())
     if (!value.is_null()) all[name] = value;

@@ -11,8 +11,8 @@
 
 namespace tetropolis {
 
-/// Those of an object, and of the one that it is a part of, where it has no other value: an object
-/// by their names. `objects`: all of the file.
+/// Those of an object, and of the one that it is a part of, where it has no other value; that one's
+/// id is "parent". An object by their names. `objects`: all of the file.
 Json attributes_of(const Json& objects, const std::string& key);
 
 /// A column for each name, by name, with a row per object: of numbers, booleans or text, or of text
