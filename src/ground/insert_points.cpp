@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -16,7 +15,7 @@
 
 #include "construct.h"
 #include "core/infinity.h"
-#include "core/mix64.h"
+#include "geometry/hash_of.h"
 #include "hilbert.h"
 
 namespace tetropolis {
@@ -60,8 +59,7 @@ std::vector<std::int32_t> insertion_order(const std::vector<Point2>& points) {
   std::vector<std::uint32_t> keys(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     // A deterministic stand-in for tossed ones, which no far point changes.
-    const std::uint64_t coins = mix64(mix64(std::bit_cast<std::uint64_t>(points[i].y)) ^
-                                      std::bit_cast<std::uint64_t>(points[i].x));
+    const std::uint64_t coins = hash_of(points[i]);
     int round = kRounds;
     // A point moves to the round before with probability 1/8.
     while (round > 0 && ((coins >> (3 * (kRounds - round))) & 7U) == 0) --round;

@@ -22,7 +22,7 @@ using Piece = std::int32_t;  // a triangle of the front
 constexpr Piece kNoPiece = -1;
 
 struct FrontTriangle {
-  std::int32_t nth;     // of those that its step made
+  std::int32_t nth;     // of those that its step made; of the lid's, by their places
   VertexIndex made_by;  // With `order`, as in FrontColumn, which step that was;
   double order;         // -infinity: it is on the lid.
   Point3 centre;        // of the cell below

@@ -10,6 +10,7 @@
 #include "climber.h"
 #include "core/infinity.h"
 #include "core/parallel.h"
+#include "geometry/hash_of.h"
 #include "geometry/vec3.h"
 #include "volume/column/upper_faces.h"
 
@@ -84,8 +85,10 @@ void start_column(const ColumnMesh& mesh, VertexIndex v, Front& front) {
 }
 
 void start_triangle(const ColumnMesh& mesh, TriangleIndex t, Front& front) {
-  front.triangles[t] = {t.value(), VertexIndex(0), -kInfinity, centre_of(uppermost_cell(mesh, t)),
-                        true};
+  std::uint64_t place = 0;  // its number would depend on far places
+  for (const VertexIndex v : mesh.ground.triangles[t]) place += hash_of(mesh.ground.vertices[v]);
+  front.triangles[t] = {static_cast<std::int32_t>(place >> 33U), VertexIndex(0), -kInfinity,
+                        centre_of(uppermost_cell(mesh, t)), true};
 }
 
 /// Square tiles over the ground, from its lower left corner or shifted by half of one.

@@ -145,24 +145,22 @@ void for_each_apart(const std::vector<Part>& parts, const FrontRecord& record, s
   }
 }
 
-/// The best steps; none if no round is better than what is on record, where `poor` are poor.
-/// Nothing if they would matter to columns elsewhere.
-std::optional<StepsWithin> best_of_rounds(FrontClimb& climb, const Part& part,
-                                          const FrontRecord& record, std::vector<VertexIndex> poor,
-                                          std::vector<double>& shares) {
-  StepsWithin best;
-  std::size_t fewest = poor.size();
-  for (int round = 0; round < kMostRounds && fewest > 0; ++round) {
+/// The steps of the last round, where `poor` are poor before the first. Nothing if they would
+/// matter to columns elsewhere.
+std::optional<StepsWithin> steps_of_rounds(FrontClimb& climb, const Part& part,
+                                           const FrontRecord& record, std::vector<VertexIndex> poor,
+                                           std::vector<double>& shares) {
+  std::optional<StepsWithin> steps;
+  for (int round = 0; round < kMostRounds && !poor.empty(); ++round) {
     sort_once(poor);
+    if (!std::includes(part.columns.begin(), part.columns.end(), poor.begin(), poor.end()))
+      return std::nullopt;
     for (const VertexIndex v : poor) shares[v] *= kShorter;
-    std::optional<StepsWithin> again = climb.within(part.columns, part.others, record, shares);
-    if (!again) return std::nullopt;
-    poor = again->done.poor;
-    if (poor.size() >= fewest) continue;
-    fewest = poor.size();
-    best = std::move(*again);
+    steps = climb.within(part.columns, part.others, record, shares);
+    if (!steps) return std::nullopt;
+    poor = steps->done.poor;
   }
-  return best;
+  return steps;
 }
 
 /// Columns that have climbed again.
@@ -339,9 +337,9 @@ bool mend_within(const ColumnMesh& mesh, double reach, std::span<const VertexInd
     std::vector<VertexIndex> own;
     for (const VertexIndex v : poor)
       if (part_of[v] == static_cast<std::int32_t>(i)) own.push_back(v);
-    std::optional<StepsWithin> best = best_of_rounds(climb, parts[i], record, own, shares);
-    if (best)
-      steps[i] = std::move(*best);
+    std::optional<StepsWithin> own_steps = steps_of_rounds(climb, parts[i], record, own, shares);
+    if (own_steps)
+      steps[i] = std::move(*own_steps);
     else
       is_possible = false;
   });
@@ -354,22 +352,15 @@ bool mend_within(const ColumnMesh& mesh, double reach, std::span<const VertexInd
 
 /// The same for all columns at once.
 void mend_all(const ColumnMesh& mesh, FrontClimb& climb, FrontPhases& phases) {
-  std::vector<double> shares(mesh.vertex_count(), 1.0), best = shares;
+  std::vector<double> shares(mesh.vertex_count(), 1.0);
   std::vector<VertexIndex> poor = poor_of(phases);
-  std::size_t fewest = poor.size();
-  bool is_best = true;  // Steps of one round are kept at a time.
-  for (int round = 0; round < kMostRounds && fewest > 0; ++round) {
+  for (int round = 0; round < kMostRounds && !poor.empty(); ++round) {
     sort_once(poor);
     for (const VertexIndex v : poor) shares[v] *= kShorter;
-    phases.clear();
+    phases.clear();  // Steps of one round are kept at a time.
     phases = climb.to_top(shares);
     poor = poor_of(phases);
-    is_best = poor.size() < fewest;
-    if (!is_best) continue;
-    fewest = poor.size();
-    best = shares;
   }
-  if (!is_best) phases = climb.to_top(best);
 }
 
 }  // namespace

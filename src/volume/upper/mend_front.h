@@ -7,7 +7,8 @@ namespace tetropolis {
 
 /// Where columns of `phases` are poor they climb again with shorter segments, a few times, and so
 /// do those that this changes something for: all is as if every column had climbed with these
-/// segments. Keeps the best. Precondition: `phases` are of climb.to_top() with shares of 1.
+/// segments. The last time stands, whatever it is like elsewhere. Precondition: `phases` are of
+/// climb.to_top() with shares of 1.
 void mend_front(const ColumnMesh& mesh, double top, FrontClimb& climb, FrontPhases& phases);
 
 }  // namespace tetropolis

@@ -17,7 +17,7 @@ namespace {
 /// Columns up to the lid, in a domain that is wide beside its height.
 testing::MeshedCity wide_city() {
   testing::SmallCity city = testing::small_city(testing::hills);
-  city.domain = {-250, -250, 350, 350};
+  city.domain = {-400, -400, 500, 500};
   city.dtm = testing::raster_of(city.domain, testing::hills);
   testing::MeshedCity result = testing::meshed(std::move(city), 5);
   lower_tops(result.mesh.ground, result.mesh.edges, result.plan);
@@ -49,7 +49,7 @@ TEST(MendFront, IsAsIfAllColumnsHadClimbedAgain) {
   for (std::vector<FrontSteps>& tiles : phases)
     for (FrontSteps& tile : tiles) tile.poor.clear();
   // Said to be poor, more than any will be.
-  for (const Point2 place : {Point2{-140, -110}, Point2{60, 45}, Point2{240, 260}}) {
+  for (const Point2 place : {Point2{-200, -180}, Point2{60, 45}, Point2{300, 310}}) {
     VertexIndex nearest{0};
     const auto distance = [&](VertexIndex v) {
       const Point2 p = mesh.ground.vertices[v];
