@@ -21,6 +21,7 @@
 #include "core/parallel.h"
 #include "core/sort_once.h"
 #include "core/units.h"
+#include "geometry/vec2.h"
 #include "ground/size_field.h"
 #include "ground/validate.h"
 #include "make_columns.h"
@@ -159,6 +160,14 @@ GroundMesh make_ground(const MeshCityOptions& options, const CityModel& city,
   facts.min_angle_deg = angle_statistics(ground.vertices, ground.triangles).min_deg;
   facts.small_input_angles = ground.small_input_angles;
   facts.triangles_below_min_angle = ground.triangles_below_min_angle;
+  facts.shortest_edge = kInfinity;
+  for (const auto& corners : ground.triangles)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double length =
+          distance(ground.vertices[corners[i]], ground.vertices[corners[(i + 1) % 3]]);
+      facts.shortest_edge = std::min(facts.shortest_edge, length);
+      facts.longest_edge = std::max(facts.longest_edge, length);
+    }
   return ground;
 }
 

@@ -247,6 +247,9 @@ void fields_of(GroundMeshFacts& mesh, const Field& field) {
         "corners of the input sharper than `min_angle`");
   field("triangles_below_min_angle", mesh.triangles_below_min_angle, "integer",
         "triangles below `min_angle`, at such corners and across from them");
+  field("shortest_edge", mesh.shortest_edge, "number, m",
+        "with `volume_mesh.min_vertical_gap`, what bounds time steps");
+  field("longest_edge", mesh.longest_edge, "number, m", "");
   field("water_area", mesh.surfaces[0], "number, m²", "of `surface_layers`, as meshed");
   field("road_area", mesh.surfaces[1], "number, m²", "");
   field("vegetation_area", mesh.surfaces[2], "number, m²", "");

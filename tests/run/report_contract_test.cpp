@@ -99,6 +99,8 @@ constexpr Key kContract[] = {
     {"ground_mesh.triangles", Type::kNumber},
     {"ground_mesh.min_angle_deg", Type::kNumber},
     {"ground_mesh.small_input_angles", Type::kNumber},
+    {"ground_mesh.shortest_edge", Type::kNumber},
+    {"ground_mesh.longest_edge", Type::kNumber},
     {"volume_mesh.vertices", Type::kNumber},
     {"volume_mesh.cells", Type::kNumber},
     {"volume_mesh.layers", Type::kNumber},

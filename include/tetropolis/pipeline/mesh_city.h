@@ -92,6 +92,7 @@ struct GroundMeshFacts {
   double min_angle_deg = 0;                    ///< As meshed.
   std::int64_t small_input_angles = 0;         ///< Corners of the input below the least angle.
   std::int64_t triangles_below_min_angle = 0;  ///< At them, or where the input is too fine.
+  double shortest_edge = 0, longest_edge = 0;  ///< Metres.
   std::array<double, 3> surfaces = {};         ///< Area of each SurfaceKind, square metres.
   double size_scale = 1;  ///< What all sizes were multiplied by for the target number of cells.
   ResolutionFacts resolution = {};
