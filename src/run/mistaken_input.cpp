@@ -15,9 +15,12 @@
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/crs/crs.h"
+#include "tetropolis/io/raster/elevation.h"
 
 #include "core/files.h"
 #include "core/text.h"
+#include "io/las/text_points.h"
+#include "io/vector/merge_footprints.h"
 
 namespace tetropolis {
 
@@ -34,8 +37,7 @@ bool ends_with_any(const fs::path& path, std::initializer_list<std::string_view>
 bool has_points_name(const fs::path& path) { return ends_with_any(path, {".las", ".laz"}); }
 
 bool has_vector_name(const fs::path& path) {
-  return ends_with_any(path, {".shp", ".gpkg", ".geojson", ".fgb", ".gml", ".kml", ".osm", ".pbf",
-                              ".sqlite", ".json"});
+  return kVectorFiles.has(path) || ends_with_any(path, {".json"});
 }
 
 bool has_model_name(const fs::path& path) {
@@ -61,8 +63,17 @@ bool holds_points_only(const fs::path& path) {
   return points;
 }
 
+/// Or part of one, as a pattern names them all.
 bool is_vector(const fs::path& path) {
-  return is_file(path) && has_vector_name(path) && !has_model_name(path) && !is_cloud(path);
+  return is_file(path) &&
+         (has_vector_name(path) || ends_with_any(path, {".shx", ".dbf", ".prj", ".cpg"})) &&
+         !has_model_name(path) && !is_cloud(path);
+}
+
+/// Of the names of rasters, some are those of points (.xyz) or of vector files (.vrt), too.
+bool is_raster(const fs::path& path) {
+  return is_file(path) && is_raster_name(path) && !is_plain_points(path) &&
+         !ends_with_any(path, {".vrt"});
 }
 
 void refuse_model(const fs::path& path) {
@@ -94,20 +105,17 @@ void refuse_mistaken_files(const Config& config) {
       fail(path, is_file(path) ? "point cloud" : "folder of point clouds", "footprints", has_vector,
            "points");
   if (has_vector) fail(*vector, "vector file", "points", false, "footprints");
-  const auto is_terrain = [](const std::string& path) {
-    return is_file(path) && ends_with_any(path, {".tif", ".tiff"});
-  };
   const auto is_model = [](const std::string& path) {
     return is_file(path) && ends_with_any(path, {".json", ".cityjson"});
   };
   const auto model = std::find_if(config.dtm.begin(), config.dtm.end(), is_model);
-  if (is_terrain(config.city))
-    fail(config.city, "raster", "city", model != config.dtm.end(), "dtm");
+  if (is_raster(config.city)) fail(config.city, "raster", "city", model != config.dtm.end(), "dtm");
   if (model != config.dtm.end()) fail(*model, "JSON file", "dtm", false, "city");
   for (const std::string& path : config.footprints)
-    if (is_terrain(path)) fail(path, "raster", "footprints", false, "dtm");
+    if (is_raster(path)) fail(path, "raster", "footprints", false, "dtm");
+  const bool has_cloud = !std::all_of(config.points.begin(), config.points.end(), is_raster);
   for (const std::string& path : config.points)
-    if (is_terrain(path)) fail(path, "raster", "points", false, "dsm");
+    if (is_raster(path)) fail(path, "raster", "points", false, has_cloud ? "dtm" : "dsm");
   std::error_code error;
   const bool is_file_name =
       has_points_name(config.out) || has_vector_name(config.out) ||

@@ -1337,6 +1337,10 @@ TEST_F(Cli, SwappedArgumentsAreRecognised) {
   ASSERT_EQ(run("city input/footprints.shp tiles one --quiet").code, 0);
   expect_error("mesh one/dtm.tif one/city.city.json out", 2,
                "one/dtm.tif: is a raster, but given as --city; swap --city and --dtm");
+  expect_error("city input/footprints.shp one/dtm.tif out", 2, "name it as --dsm");
+  expect_error("city input/footprints.shp tiles/a.laz one/dtm.tif out", 2, "name it as --dtm");
+  expect_error("city input/footprints.shp input/footprints.dbf tiles out", 2,
+               "input/footprints.dbf: is a vector file, but given as --points");
   // The folder is forgotten.
   expect_error("city input/footprints.shp tiles/a.laz tiles/a.laz", 2,
                "tiles/a.laz: is given as --out, the folder for the results");
