@@ -10,8 +10,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/ground/triangulation.h"
@@ -19,7 +17,7 @@
 #include "cityjson_geometry.h"
 #include "io/file/input_file.h"
 #include "io/file/json_place.h"
-#include "io/file/positioned_file.h"
+#include "model_document.h"
 
 namespace tetropolis {
 
@@ -169,11 +167,8 @@ SurfaceMesh indexed(const Collected& all) {
 }  // namespace
 
 CitySurface read_city_surface(const std::filesystem::path& path) {
-  const PositionedFile file(path);
-  const Json document = Json::parse(file.head(file.size()), nullptr, false);
-  if (document.is_discarded())
-    fail_input(path, "is not valid JSON; the file is cut or not CityJSON");
-  const Place root(path, document);
+  const ModelDocument document = read_document(path);
+  const Place root(path, document.root);
   if (!root.has("type") || root.at("type").text() != "CityJSON")
     fail_input(path, "is not CityJSON; give a .city.json");
   const CityFrame frame = read_vertices(root);

@@ -128,15 +128,21 @@ ModelDocument parse_sequence(const fs::path& path, const std::string& text) {
 ModelDocument read_document(const fs::path& path) {
   if (is_citygml(path)) return read_citygml(path);
   const std::string text = read_text(path);
+  if (text.starts_with("PK\3\4") || text.starts_with("\x1f\x8b"))
+    fail_input(path, "is packed; unpack it and name the city model that it holds");
   if (text.find("\"CityJSONFeature\"") != std::string::npos) return parse_sequence(path, text);
   KeyScan scan;
-  if (!Json::sax_parse(text, &scan))
-    fail_input(path, scan.out_of_range
-                         ? fmt::format("has a number out of range at byte {}; get the file again",
-                                       scan.error_byte)
-                         : fmt::format("is not valid JSON after byte {}; the file is cut or not "
-                                       "CityJSON",
-                                       scan.error_byte));
+  if (!Json::sax_parse(text, &scan)) {
+    if (scan.out_of_range)
+      fail_input(path, fmt::format("has a number out of range at byte {}; get the file again",
+                                   scan.error_byte));
+    if (scan.error_byte > text.size())
+      fail_input(path, fmt::format("ends at byte {} within its JSON; the file is cut, get it again",
+                                   text.size()));
+    fail_input(path, fmt::format("is not valid JSON after byte {}; the file is broken or not "
+                                 "CityJSON",
+                                 scan.error_byte));
+  }
   std::unordered_set<std::string> seen;
   for (const std::string& key : scan.keys)
     if (!seen.insert(key).second)

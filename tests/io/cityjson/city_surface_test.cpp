@@ -81,6 +81,10 @@ TEST(CitySurface, SaysWhatIsNoCityJson) {
     testing::write_bytes(folder / "a.json", text);
     testing::input_error(folder / "a.json", [&] { read_city_surface(folder / "a.json"); });
   }
+  testing::write_bytes(folder / "a.json", R"({"type":"CityJSON")");
+  EXPECT_NE(testing::input_error(folder / "a.json", [&] { read_city_surface(folder / "a.json"); })
+                .find("ends at byte 18"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -1195,8 +1195,10 @@ TEST(CityJson, BrokenDocumentsNameThePlace) {
   };
   EXPECT_NE(input_error(folder / "none.json").find("no such file"), std::string::npos);
   input_error(folder.path());
-  mentions("", "byte");
-  mentions("{", "byte 2");
+  mentions("", "ends at byte 0");
+  mentions("{\"type\":", "ends at byte 8 within its JSON; the file is cut");
+  mentions("{x", "not valid JSON after byte 2");
+  mentions("PK\3\4", "is packed; unpack it");
   mentions("[]", "not an object");
   mentions("{\"type\":\"FeatureCollection\"}", "/type");
   mentions(changed("\"1.1\"", "\"3.7\""), "/version is \"3.7\"");
