@@ -658,6 +658,8 @@ TEST_F(Cli, InfoOfFoldersAndOfFormatsThatAreNotRead) {
   EXPECT_EQ(cloud.code, 0);
   for (const char* name : {"cloud/a.laz: LAZ", "cloud/b.laz: LAZ"})
     EXPECT_NE(cloud.out.find(name), std::string::npos) << cloud.out;
+  fs::create_directory(scratch / "bare");
+  EXPECT_NE(run("info bare").err.find("bare: is a folder, but no data set"), std::string::npos);
   std::ofstream(scratch / "a.obj") << "v 0 0 0\n";
   const Outcome written = run("info a.obj");
   EXPECT_EQ(written.code, 3);

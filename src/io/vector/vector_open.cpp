@@ -70,7 +70,8 @@ std::string vector_in_archive(const fs::path& path, const gdal::QuietErrors& err
     fail_input(path, holds_points ? "has point files, which are not read from archives; unpack it"
                                   : "has no vector file; name another archive, or a file");
   if (found.size() > 1)
-    fail_input(path, fmt::format("has several vector files ({}); unpack it and name one",
+    fail_input(path, fmt::format("has several vector files ({}); unpack it and name those of "
+                                 "the buildings",
                                  fmt::join(found, ", ")));
   return archive + "/" + found.front();
 }
@@ -197,6 +198,8 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors, bo
     fail_input(path,
                "is GeoParquet, which this GDAL does not read; take the data as GeoJSON or "
                "GeoPackage, or convert it with DuckDB or a GDAL that has the driver Parquet");
+  if (file.dataset == nullptr && fs::is_directory(path, error))
+    fail_input(path, "is a folder, but no data set; name the files in it");
   const bool unknown = errors.last().find("not recognized as") != std::string::npos;
   if (file.dataset == nullptr)
     fail_input(path, "not a vector file" + (unknown ? "" : errors.reason()) +
