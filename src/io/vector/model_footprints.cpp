@@ -55,8 +55,8 @@ FootprintsInput read_model_footprints(const fs::path& path, const ReadFootprints
   for (const auto& [value, name] : settings)
     if (!value.empty() && value != "gml_id" && value != "id")  // these are the keys
       throw Error(ErrorKind::kUsage,
-                  fmt::format("{}: is a city model, whose buildings have ids and heights of their "
-                              "own; leave out {}",
+                  fmt::format("{}: is a city model, which is read whole, with ids and heights of "
+                              "its own; leave out `{}`",
                               path.string(), name));
   FootprintsInput input;
   input.source = path.string();
@@ -85,7 +85,8 @@ FootprintsInput read_model_footprints(const fs::path& path, const ReadFootprints
   input.features_read = std::ssize(input.features) + std::ssize(input.dropped);
   if (input.crs.empty())
     input.warnings.push_back({"footprints_crs_unknown", 1,
-                              path.string() + ": states no CRS; name it with footprints_crs"});
+                              path.string() + ": states no CRS; name it in the file, or to "
+                                              "'tetropolis build' with footprints_crs"});
   if (!options.target_crs.empty() && !input.crs.empty())
     reproject_footprints(input, options.target_crs);
   return input;
