@@ -62,22 +62,48 @@ void warn_of_terrain(const DtmReport& dtm, bool filtered, std::vector<Warning>& 
              100 * dtm.void_share, advice)});
 }
 
+namespace {
+
+/// What stands on the ground lies above it: more below it than above, and it is not the ground.
+void warn_of_low_surface(const CityInput& input, std::span<const double> above,
+                         std::vector<Warning>& warnings) {
+  constexpr double kNoise = 1, kFew = 0.05;  // metres; a share
+  const auto all = static_cast<double>(above.size());
+  const auto below =
+      std::count_if(above.begin(), above.end(), [](double z) { return z < -kNoise; });
+  const auto over = std::count_if(above.begin(), above.end(), [](double z) { return z > kNoise; });
+  if (below <= over || static_cast<double>(below) <= kFew * all) return;
+  warnings.push_back(
+      {"surface_below_terrain", below,
+       fmt::format("{:.0f} % of {} lie more than {:g} m below {}, {:.0f} % as far above "
+                   "it; swap `dsm` and `dtm`, or are their heights of two vertical systems?",
+                   100 * static_cast<double>(below) / all, input.points.source, kNoise,
+                   input.terrain->source, 100 * static_cast<double>(over) / all)});
+}
+
+}  // namespace
+
 void warn_off_terrain(const CityInput& input, const Raster& terrain,
                       std::vector<Warning>& warnings) {
   constexpr double kMostOff = 3;  // metres, of the median
   constexpr std::size_t kEnough = 10'000;
   const PointCloud& cloud = input.points.points;
-  const auto is_ground = [&](std::size_t p) {
-    return cloud.classification[p] == kGround && input.domain.contains({cloud.x[p], cloud.y[p]});
+  const auto counts = [&](std::size_t p) {
+    return (input.has_surface || cloud.classification[p] == kGround) &&
+           input.domain.contains({cloud.x[p], cloud.y[p]});
   };
   std::size_t count = 0, number = 0;
-  for (std::size_t p = 0; p < cloud.size(); ++p) count += is_ground(p) ? 1 : 0;
+  for (std::size_t p = 0; p < cloud.size(); ++p) count += counts(p) ? 1 : 0;
   if (count == 0) return;
   const std::size_t step = count / kEnough + 1;
   std::vector<double> above;
   for (std::size_t p = 0; p < cloud.size(); ++p)
-    if (is_ground(p) && number++ % step == 0)
+    if (counts(p) && number++ % step == 0)
       above.push_back(cloud.z[p] - sample(terrain, {cloud.x[p], cloud.y[p]}));
+  if (input.has_surface) {
+    warn_of_low_surface(input, above, warnings);
+    return;
+  }
   const double off = median(above);
   if (std::abs(off) <= kMostOff) return;
   warnings.push_back(

@@ -23,7 +23,8 @@ namespace tetropolis {
 /// filter.
 void warn_of_terrain(const DtmReport& dtm, bool filtered, std::vector<Warning>& warnings);
 
-/// Of a terrain that is far from the points of the ground, as of another vertical system or unit.
+/// Of a terrain that is far from the points of the ground, as of another vertical system or unit,
+/// and of one that lies above the surface ("surface_below_terrain"), as if the two were swapped.
 void warn_off_terrain(const CityInput& input, const Raster& terrain,
                       std::vector<Warning>& warnings);
 

@@ -214,7 +214,10 @@ def alexandria(folder, out):
     shapes = ["--footprints", folder / "footprints.shp"]
     run(out / "rasters", *shapes, "--dsm", folder / "dsm.tif", "--dtm", folder / "dtm.tif")
     run(out / "cloud", *shapes, "--points", folder / "pseudo_points_from_dsm_dtm.las")
+    run(out / "swapped", *shapes, "--dsm", folder / "dtm.tif", "--dtm", folder / "dsm.tif")
     rasters, cloud = City(out / "rasters"), City(out / "cloud")
+    assert "surface_below_terrain" not in rasters.warnings
+    assert "swap `dsm` and `dtm`" in City(out / "swapped").warnings["surface_below_terrain"]["message"]
     shared = rasters.buildings.keys() & cloud.buildings.keys()
     assert len(shared) > 0.9 * len(cloud.buildings)
     off = sorted(abs(rasters.buildings[k]["height"] - cloud.buildings[k]["height"]) for k in shared)
