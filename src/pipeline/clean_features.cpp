@@ -1,12 +1,15 @@
 #include "clean_features.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <map>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "tetropolis/city/city_model.h"
 #include "tetropolis/city/clean.h"
@@ -55,6 +58,19 @@ void count_lost_parts(const std::string& source_id, double lost_area, Warning& w
       "where the domain cuts it, only those of min_building_area; the first is feature {}, which "
       "loses parts of {:.0f} m2",
       source_id, lost_area);
+}
+
+/// `ids`: of the buildings that are so.
+void warn_of_open_below(std::span<const std::string> ids, std::vector<Warning>& warnings) {
+  constexpr std::size_t kNamed = 3;
+  if (ids.empty()) return;
+  warnings.push_back(
+      {"open_below", std::ssize(ids),
+       fmt::format("{} buildings are roofs on posts or begin above the ground (building=roof, "
+                   "min_height, building:min_level) and become blocks down to it ({}{}); leave "
+                   "them out with `where` if air is to flow below them",
+                   ids.size(), fmt::join(ids.first(std::min(kNamed, ids.size())), ", "),
+                   ids.size() > kNamed ? ", ..." : "")});
 }
 
 /// Those outside the domain stay as they are made: nothing looks at them again.
@@ -141,6 +157,7 @@ CleanFeatures clean_features(const BuildCityOptions& options, const FootprintsIn
   CleanFeatures result;
   result.dropped.assign(input.dropped.begin(), input.dropped.end());
   Warning lost_parts{"parts_lost", 0, {}};
+  std::vector<std::string> open_below;
   PartIds part_ids(input);
   for (std::size_t i = 0; i < clean.size(); ++i) {
     const Footprint& feature = input.features[i];
@@ -149,6 +166,7 @@ CleanFeatures clean_features(const BuildCityOptions& options, const FootprintsIn
       result.dropped.push_back({feature.source_id, std::move(kept.reason), kept.cause});
       continue;
     }
+    if (feature.is_open_below) open_below.push_back(feature.source_id);
     count_lost_parts(feature.source_id, clean[i].lost_area, lost_parts);
     result.parts += static_cast<std::int64_t>(kept.parts.size()) - 1;
     for (std::size_t k = 0; k < kept.parts.size(); ++k) {
@@ -171,6 +189,7 @@ CleanFeatures clean_features(const BuildCityOptions& options, const FootprintsIn
     result.area_lost += covered ? total_area(parts_in_domain(part, *covered)) : area(part);
   result.area += result.area_lost;
   if (lost_parts.count > 0) warnings.push_back(lost_parts);
+  warn_of_open_below(open_below, warnings);
   return result;
 }
 

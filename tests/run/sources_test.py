@@ -233,6 +233,9 @@ def geneva(folder, out):
     assert city.report["crs"].startswith("EPSG:32632") or city.report["crs"] == "EPSG:32631", city.report["crs"]
     assert city.report["volume_mesh"]["inverted"] == 0 and city.report["surface_mesh"]["closed"]
     assert "heights_stated" in city.warnings
+    with sqlite3.connect(out / "buildings.gpkg") as layers:
+        (roofs,), = layers.execute("select count(*) from footprints where building = 'roof' and fate not like 'dropped%'")
+    assert city.warnings["open_below"]["count"] == roofs > 10, city.warnings
 
 
 def settings(folder, out):

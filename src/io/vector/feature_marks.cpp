@@ -62,7 +62,9 @@ MarkReader::MarkReader(OGRLayerH layer)
       building_id_(column(layer, "building_id")),
       levels_(column(layer, "building:levels")),
       below_(column(layer, "building:levels:underground")),
-      tags_(column(layer, "other_tags")) {}
+      tags_(column(layer, "other_tags")),
+      min_height_(column(layer, "min_height")),
+      min_level_(column(layer, "building:min_level")) {}
 
 std::string MarkReader::text(OGRFeatureH feature, int field, const char* tag) const {
   const int source = field >= 0 ? field : tags_;
@@ -92,6 +94,11 @@ FeatureMarks MarkReader::read(OGRFeatureH feature) const {
   const bool is_overture_part =
       underground_ >= 0 && building_id_ >= 0 && !text(feature, building_id_, "").empty();
   marks.is_part = is_osm_part || is_overture_part;
+  // Below parts there mostly are others. Elsewhere a column min_height is of the roof.
+  marks.is_open_below =
+      !marks.is_part && (!building.empty() || underground_ >= 0) &&
+      (building == "roof" || metres_of(text(feature, min_height_, "min_height"), 1) > 0 ||
+       floors_of(text(feature, min_level_, "building:min_level")) > 0);
   return marks;
 }
 

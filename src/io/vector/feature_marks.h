@@ -12,12 +12,13 @@
 namespace tetropolis {
 
 struct FeatureMarks {
-  std::string below_ground;  ///< Why it is no building above ground; "" if it may be one.
-  bool is_part = false;      ///< Of a building that has an outline of its own, mostly.
+  std::string below_ground;    ///< Why it is no building above ground; "" if it may be one.
+  bool is_part = false;        ///< Of a building that has an outline of its own, mostly.
+  bool is_open_below = false;  ///< A roof on posts, or a building that begins above the ground.
 };
 
-/// Reads the attributes of OpenStreetMap (location, layer, building:part, levels) and Overture
-/// (is_underground, building_id), as columns or among other_tags.
+/// Reads the attributes of OpenStreetMap (location, layer, building:part, levels, min_height) and
+/// Overture (is_underground, building_id), as columns or among other_tags.
 class MarkReader {
  public:
   explicit MarkReader(OGRLayerH layer);
@@ -27,6 +28,7 @@ class MarkReader {
   std::string text(OGRFeatureH feature, int column, const char* tag) const;
 
   int location_, layer_, underground_, part_, building_, building_id_, levels_, below_, tags_;
+  int min_height_, min_level_;
 };
 
 /// Where parts lie in a building's outline, they stand for it: an outline that they cover is

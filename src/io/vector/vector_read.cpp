@@ -308,6 +308,7 @@ class LayerReader {
       if (units_.north_first) for_each_vertex(part.polygon, [](Point2& p) { std::swap(p.x, p.y); });
       result_.features.push_back(
           {std::move(part_id), std::move(part.polygon), height.metres, row, height.from_floors});
+      result_.features.back().is_open_below = marks.is_open_below;
       parts_.push_back(marks.is_part);
     }
   }

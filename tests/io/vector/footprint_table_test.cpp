@@ -123,6 +123,26 @@ TEST(FootprintTable, AttributesMeanWhatTheyMeanInFiles) {
   EXPECT_EQ(take_footprints(table, options).features.size(), 2U);
 }
 
+TEST(FootprintTable, BuildingsThatBeginAboveTheGroundAreTold) {
+  const std::string aside = "POLYGON ((80 0,90 0,90 10,80 0))";
+  FootprintTable table = table_of({kShapes[0], kShapes[2], kShapes[0], kShapes[2], aside});
+  // A canopy, a bridge in metres and one in floors, a house, and what stands on a part.
+  table.columns = {{"building", AttributeType::kText, {"roof", "yes", "yes", "yes", ""}},
+                   {"building:part", AttributeType::kText, {"", "", "", "", "yes"}},
+                   {"min_height", AttributeType::kText, {"", "4 m", "", "0", "12"}},
+                   {"building:min_level", AttributeType::kText, {"", "", "1", "0", "4"}}};
+  const auto open_below = [&] {
+    std::string ids;
+    for (const Footprint& feature : take_footprints(table, {}).features)
+      if (feature.is_open_below) ids += feature.source_id;
+    return ids;
+  };
+  EXPECT_EQ(open_below(), "012");
+  // Where nothing says that they are OpenStreetMap's, such numbers are of roofs.
+  table.columns = {{"min_height", AttributeType::kText, {"4", "4", "4", "4", "4"}}};
+  EXPECT_EQ(open_below(), "");
+}
+
 TEST(FootprintTable, FeaturesWithoutNamesAreNumbered) {
   FootprintTable table = table_of({kShapes[0], kShapes[2]});
   table.wkb.insert(table.wkb.begin() + 1, "");  // no geometry

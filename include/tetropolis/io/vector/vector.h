@@ -58,6 +58,8 @@ struct Footprint {
   bool is_planned = false;  ///< Has the height that it states, and others make way: those that it
                             ///< covers by half, and what it covers of all. Of height 0: nothing is
                             ///< to stand there.
+  bool is_open_below = false;  ///< A roof on posts or a building that begins above the ground, by
+                               ///< attributes of OpenStreetMap or Overture.
 
   /// Whether it is an area to be cleared.
   bool is_cleared() const { return is_planned && !(height > 0); }
