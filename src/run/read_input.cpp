@@ -4,6 +4,10 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -12,6 +16,7 @@
 #include "tetropolis/io/las/las.h"
 
 #include "cloud_headers.h"
+#include "core/text.h"
 #include "io/file/input_paths.h"
 #include "io/las/text_points.h"
 #include "io/vector/merge_footprints.h"
@@ -67,15 +72,39 @@ Bounds2 stated_box(const Config& config) {
   return {config.bounds[0], config.bounds[1], config.bounds[2], config.bounds[3]};
 }
 
+/// Of a folder with files named after buildings, as of an extract by themes, only these are kept.
+void keep_files_of_buildings(const Config& config, std::vector<std::filesystem::path>& paths,
+                             std::vector<Warning>& warnings) {
+  std::error_code error;
+  if (config.footprints.size() > 1 ||
+      !std::filesystem::is_directory(config.footprints.front(), error))
+    return;
+  const auto others =
+      std::stable_partition(paths.begin(), paths.end(), [](const std::filesystem::path& path) {
+        return lower_case(path.filename().string()).find("building") != std::string::npos;
+      });
+  if (others == paths.begin() || others == paths.end()) return;
+  warnings.push_back(
+      {"files_of_buildings", paths.end() - others,
+       fmt::format("{}: {} files without 'building' in their names are not read "
+                   "(first: {}); name them if they hold buildings",
+                   config.footprints.front(), paths.end() - others, others->filename().string())});
+  paths.erase(others, paths.end());
+}
+
 FootprintsInput read_existing(const Config& config, const InputInMemory& given,
                               const ReadFootprintsOptions& options) {
   if (given.footprints) return take_footprints(*given.footprints, options);
   if (config.footprints.empty()) return {};
-  const std::vector<std::filesystem::path> paths = footprint_paths(config);
-  if (paths.size() == 1) return read_footprints(paths.front(), options);
+  std::vector<std::filesystem::path> paths = footprint_paths(config);
+  std::vector<Warning> warnings;
+  keep_files_of_buildings(config, paths, warnings);
   std::vector<FootprintsInput> all;
   for (const std::filesystem::path& path : paths) all.push_back(read_footprints(path, options));
-  return merge_footprints(std::move(all), paths);
+  FootprintsInput input =
+      all.size() == 1 ? std::move(all.front()) : merge_footprints(std::move(all), paths);
+  input.warnings.insert(input.warnings.end(), warnings.begin(), warnings.end());
+  return input;
 }
 
 /// `target_crs`: what they are reprojected to; empty: as they are. `city_crs`: of the settings'

@@ -1137,6 +1137,31 @@ TEST_F(Cli, ShapefileWithoutPrjTakesThePointsSystem) {
             std::string::npos);
 }
 
+TEST_F(Cli, OfAFolderWithFilesOfBuildingsOnlyTheseAreRead) {
+  synth("--buildings 10 --size 150");
+  fs::create_directory(scratch / "extract");
+  for (const char* end : {"shp", "shx", "dbf", "prj"})
+    for (const char* name : {"buildings_a_free_1", "landuse_a_free_1"})
+      fs::copy_file(scratch / ("input/footprints." + std::string(end)),
+                    scratch / fmt::format("extract/{}.{}", name, end));
+  const Outcome outcome = run("city extract input/points.laz result");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("of 10 footprints"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("files_of_buildings: extract: 1 files without 'building' in their "
+                             "names are not read (first: landuse_a_free_1.shp)"),
+            std::string::npos)
+      << outcome.err;
+  // Both by name, or where no name tells.
+  EXPECT_NE(run("city --footprints extract/*.shp --points input/points.laz --out result")
+                .err.find("of 20 footprints"),
+            std::string::npos);
+  for (const char* end : {"shp", "shx", "dbf", "prj"})
+    fs::rename(scratch / ("extract/buildings_a_free_1." + std::string(end)),
+               scratch / ("extract/houses." + std::string(end)));
+  EXPECT_NE(run("city extract input/points.laz result").err.find("of 20 footprints"),
+            std::string::npos);
+}
+
 TEST_F(Cli, AFailedRunLeavesAnEarlierResultWhole) {
   synth("--buildings 20 --size 250");
   ASSERT_EQ(run("build --quiet --footprints input/footprints.shp --points input --out result").code,
