@@ -16,6 +16,7 @@
 #include "building_name.h"
 #include "core/disjoint_sets.h"
 #include "core/infinity.h"
+#include "core/sort_once.h"
 #include "core/units.h"
 #include "roof_planes.h"
 #include "vector3.h"
@@ -56,37 +57,47 @@ struct Terrain {
   std::vector<double> highest;  ///< At the vertex and those it has an edge to.
 };
 
-/// At all vertices of a piece of water, the median of the terrain along its shore.
+/// At all vertices of a piece of water, the median of the terrain along its shore; where two pieces
+/// meet in a corner, the lower.
 void level_water(const SurfaceMesh& surface, std::vector<double>& terrain) {
   const auto water =
       std::find_if(surface.patches.begin(), surface.patches.end(), [](const PatchInfo& patch) {
         return patch.kind == PatchKind::kGround && patch.name == "water";
       });
   if (water == surface.patches.end()) return;
-  DisjointSets<std::size_t> waters(surface.points.size());
-  std::vector<std::uint8_t> in_water(surface.points.size(), 0), on_shore(surface.points.size(), 0);
+  std::vector<std::uint8_t> on_shore(surface.points.size(), 0);
+  DisjointSets<std::size_t> pieces(surface.triangles.size());
+  std::map<std::pair<std::int32_t, std::int32_t>, std::size_t> face_at;  // an edge
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
     const PatchKind kind = surface.patch_of(f).kind;
-    const bool is_water = surface.patch[f] == water->patch;
     if (kind != PatchKind::kGround && kind != PatchKind::kWall) continue;
-    for (const std::int32_t corner : surface.triangles[f]) {
-      const auto v = static_cast<std::size_t>(corner);
-      (is_water ? in_water : on_shore)[v] = 1;
-      if (is_water) waters.join(v, static_cast<std::size_t>(surface.triangles[f][0]));
+    const std::array<std::int32_t, 3>& corners = surface.triangles[f];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::int32_t v = corners[i], next = corners[(i + 1) % 3];
+      if (surface.patch[f] != water->patch)
+        on_shore[static_cast<std::size_t>(v)] = 1;
+      else
+        pieces.join(f, face_at.try_emplace(std::minmax(v, next), f).first->second);
     }
   }
-  std::map<std::size_t, std::array<std::vector<double>, 2>> heights;  // off the shore, and on it
-  for (std::size_t v = 0; v < terrain.size(); ++v)
-    if (in_water[v] != 0 && !std::isnan(terrain[v]))
-      heights[waters.root(v)][on_shore[v]].push_back(terrain[v]);
-  for (auto& [root, of] : heights)
-    for (std::vector<double>& values : of) std::sort(values.begin(), values.end());
-  for (std::size_t v = 0; v < terrain.size(); ++v) {
-    if (in_water[v] == 0 || std::isnan(terrain[v])) continue;
-    const auto& of = heights[waters.root(v)];
-    const std::vector<double>& values = of[1].empty() ? of[0] : of[1];
-    terrain[v] = values[values.size() / 2];
+  std::map<std::size_t, std::vector<std::size_t>> vertices;
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f)
+    if (surface.patch[f] == water->patch)
+      for (const std::int32_t v : surface.triangles[f])
+        vertices[pieces.root(f)].push_back(static_cast<std::size_t>(v));
+  std::vector<double> levels(terrain.size(), kInfinity);
+  for (auto& [root, own] : vertices) {
+    sort_once(own);
+    std::array<std::vector<double>, 2> heights;  // off the shore, and on it
+    for (const std::size_t v : own)
+      if (!std::isnan(terrain[v])) heights[on_shore[v]].push_back(terrain[v]);
+    std::vector<double>& values = heights[heights[1].empty() ? 0 : 1];
+    if (values.empty()) continue;
+    std::sort(values.begin(), values.end());
+    for (const std::size_t v : own) levels[v] = std::min(levels[v], values[values.size() / 2]);
   }
+  for (std::size_t v = 0; v < terrain.size(); ++v)
+    if (levels[v] < kInfinity && !std::isnan(terrain[v])) terrain[v] = levels[v];
 }
 
 Terrain terrain_of(const SurfaceMesh& surface, std::array<double, 3> shift, const Raster& dtm,

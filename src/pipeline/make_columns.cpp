@@ -121,15 +121,14 @@ ColumnPlan plan_of(const MeshCityOptions& options, const CityParts& parts, const
 }
 
 /// Lowers ground that prisms would be sheared on.
-void ease(const MeshCityOptions& options, const Raster& dtm, const GroundMesh& ground,
-          ColumnPlan& plan) {
+void ease(const MeshCityOptions& options, const GroundMesh& ground, ColumnPlan& plan) {
   if (options.cut_slope_deg >= 90) return;
   PrismBounds bounds;
   bounds.slope_deg = eased_slope(options);
   plan.eased = ease_ground(ground, build_edge_graph(ground), plan.lift,
                            options.boundary_layers.first, bounds, plan.ground);
   if (plan.eased.empty()) return;
-  count_lowered(ground, lifted_terrain(ground, dtm, plan.lift), options.min_wall_height, plan);
+  count_lowered(ground, options.min_wall_height, plan);
 }
 
 /// The highest layer on which the flattest triangle makes no prism of a greater aspect ratio than
@@ -173,7 +172,7 @@ Columns smooth_columns(const MeshCityOptions& options, const CityParts& parts, c
     plan = plan_of(options, parts, dtm, ground, nullptr, spacing_of(options, ground), result);
     const auto triangles = static_cast<double>(ground.triangles.size());
     if (options.cells == Cells::kPrisms) {
-      ease(options, dtm, ground, plan);
+      ease(options, ground, plan);
       std::vector<double> ladder = ladder_of(options, ground, plan);
       plan.layers.layers = static_cast<std::int32_t>(ladder.size()) - 1;
       result.volume_facts.layers = plan.layers.layers;

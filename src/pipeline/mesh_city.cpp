@@ -398,14 +398,14 @@ Columns columns_with_blocks(const MeshCityOptions& options, const CityModel& cit
 }
 
 /// Columns with cells below the floor of quality become better where they can.
-ImprovedColumns improved(Columns columns, const Raster& terrain, const MeshCityOptions& options,
-                         const CitySize& size, StepClock& clock, VolumeMeshFacts& facts) {
+ImprovedColumns improved(Columns columns, const MeshCityOptions& options, const CitySize& size,
+                         StepClock& clock, VolumeMeshFacts& facts) {
   QualityFloorOptions floor;
   floor.plan = plan_options(options);
   floor.gentlest_deg = options.cut_slope_deg;
   floor.require_fits = [&, triangles = static_cast<double>(columns.mesh.triangle_count())](
                            double cells) { require_cells_fit(options, size, triangles, cells); };
-  ImprovedColumns better = reach_quality_floor(std::move(columns), terrain, floor, clock);
+  ImprovedColumns better = reach_quality_floor(std::move(columns), floor, clock);
   facts.columns_improved = better.columns_improved;
   facts.min_vertical_gap = better.min_vertical_gap;
   return better;
@@ -478,7 +478,7 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
   MeshQuality quality;
   if (options.layering != Layering::kUniform) {
     ImprovedColumns better =
-        improved(std::move(columns), terrain, options, size, clock, result.volume_facts);
+        improved(std::move(columns), options, size, clock, result.volume_facts);
     columns = std::move(better.columns);
     excavated = std::move(better.excavated);
     quality = std::move(better.quality);

@@ -336,6 +336,17 @@ def areas(folder, out):
     told = warnings("odd", *entries(odd))
     assert {w["code"]: w["count"] for w in told} == {"canopy_left_out": 2, "surface_lost": 30, "surface_unknown": 1}, told
     assert all(w["message"].startswith(f"{w['count']} ") for w in told), told
+    # Water on slopes is level, also where the ground beside it is cut back and where two ponds meet in a corner.
+    hill = out / "in" / "hill.asc"
+    heights = [[107.5 + 37.5 * math.sin(x / 25) + 8 * math.cos(y / 30) for x in range(-60, 262, 2)] for y in range(260, -62, -2)]
+    hill.write_text("ncols 161\nnrows 161\nxllcorner 499940\nyllcorner 5599940\ncellsize 2\n"
+                    + "".join(" ".join(f"{z:.2f}" for z in row) + "\n" for row in heights))
+    huts = write("huts.geojson", [((100, 100, 112, 112), {"height": 8}), ((150, 60, 162, 72), {"height": 8})])
+    ponds = write("ponds.geojson", [((80, 85, 190, 135), {}), ((20, 40, 60, 80), {}), ((60, 80, 75, 84), {})])
+    run(out / "ponds", "--footprints", huts, "--dtm", hill, "--raster-crs", "EPSG:32631", "--bounds", "500000,5600000,500200,5600150",
+        "--surface-layers", f"{ponds}:water", command="build")
+    cut = json.loads((out / "ponds" / "report.json").read_text())["volume_mesh"]
+    assert cut["feet_cut_back"] or cut["roofs_cut_back"], cut
 
 
 def elevations_of_roofs(out):

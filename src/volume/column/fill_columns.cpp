@@ -249,8 +249,19 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, RoofHeights r
   plan.spacing = std::move(spacing);
   plan.lowest_roof = lowest_roofs(mesh, plan.roofs);
   plan.lift.assign(options.lift.begin(), options.lift.end());
-  const std::vector<double> terrain = lifted_terrain(mesh, dtm, plan.lift);
-  plan.ground = terrain;
+  plan.terrain = terrain_under(mesh, dtm);
+  for (const VertexIndex v : indices<VertexIndex>(plan.lift.size()))
+    plan.terrain[v] += plan.lift[v];
+  plan_ground(mesh, options, plan);
+  plan.layers =
+      plan_layers(plan.ground, highest_of(plan.roofs), highest_under(dtm, bounds(mesh.vertices)),
+                  options.domain_height, options.layer_height);
+  plan.top.assign(mesh.vertices.size(), plan.layers.top);
+  return plan;
+}
+
+void plan_ground(const GroundMesh& mesh, const ColumnPlanOptions& options, ColumnPlan& plan) {
+  plan.ground = plan.terrain;
   if (!options.excavated.empty())
     plan.ground.assign(options.excavated.begin(), options.excavated.end());
   std::vector<double> least(plan.spacing.size(), options.minimum_wall);
@@ -276,16 +287,11 @@ ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, RoofHeights r
   }
   lower_at_walls(mesh, plan.lowest_roof, plan.roofs, least, wall, plan.ground);
   plan.rise = ground_rise(mesh, plan.ground);
-  count_lowered(mesh, terrain, options.minimum_wall, plan);
-  plan.layers =
-      plan_layers(plan.ground, highest_of(plan.roofs), highest_under(dtm, bounds(mesh.vertices)),
-                  options.domain_height, options.layer_height);
-  plan.top.assign(mesh.vertices.size(), plan.layers.top);
-  return plan;
+  count_lowered(mesh, options.minimum_wall, plan);
 }
 
-void count_lowered(const GroundMesh& mesh, std::span<const double> terrain, double minimum_wall,
-                   ColumnPlan& plan) {
+void count_lowered(const GroundMesh& mesh, double minimum_wall, ColumnPlan& plan) {
+  const std::vector<double>& terrain = plan.terrain;
   plan.lowered = plan.undermined = 0;
   plan.deepest = plan.deepest_undermined = 0;
   const std::vector<std::uint8_t> outside = outside_vertices(mesh);

@@ -52,6 +52,7 @@ LayerPlan plan_layers(std::span<const double> ground, std::span<const double> ro
 
 /// What the columns are made from: per vertex of the ground mesh, in metres.
 struct ColumnPlan {
+  std::vector<double> terrain;           ///< Elevation of the terrain (terrain_under) plus `lift`.
   std::vector<double> ground;            ///< Elevation: the terrain, lowered at buried walls and
                                          ///< where it was excavated.
   std::vector<RegionIndex> lowest_roof;  ///< As from lowest_roofs.
@@ -101,7 +102,7 @@ struct ColumnPlanOptions {
                                       ///< all else is about what lies on top of them. Walls are at
                                       ///< least wall_above_layers() higher. Empty: none.
   std::span<const double> excavated = {};  ///< Per vertex, elevation of the lifted terrain as
-                                           ///< excavate() leaves it; empty: as in the DTM.
+                                           ///< excavate() leaves it; empty: as it is.
   std::span<const std::uint8_t> deep_walls = {};  ///< Per building, 1: walls may become higher
                                                   ///< than they are anywhere. Empty: none may.
 };
@@ -110,10 +111,12 @@ struct ColumnPlanOptions {
 ColumnPlan plan_columns(const GroundMesh& mesh, const Raster& dtm, RoofHeights roofs,
                         std::vector<double> spacing, const ColumnPlanOptions& options);
 
-/// Sets what the plan tells of vertices lowered and buildings undermined, from its elevations and
-/// the `terrain` (per vertex; terrain_under).
-void count_lowered(const GroundMesh& mesh, std::span<const double> terrain, double minimum_wall,
-                   ColumnPlan& plan);
+/// Sets the plan's `ground` and `rise`, and what it tells of lowered vertices, by its terrain,
+/// lift, roofs and spacing. `options.lift` has no say.
+void plan_ground(const GroundMesh& mesh, const ColumnPlanOptions& options, ColumnPlan& plan);
+
+/// Sets what the plan tells of vertices lowered and buildings undermined, from its elevations.
+void count_lowered(const GroundMesh& mesh, double minimum_wall, ColumnPlan& plan);
 
 /// About the cells that graded columns will have, before they are made: every segment makes a tet
 /// in each of the about six triangles around it.

@@ -1,11 +1,16 @@
 #include "ground_heights.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <map>
+#include <tuple>
 #include <utility>
 
 #include "tetropolis/ground/surfaces.h"
 
+#include "core/disjoint_sets.h"
 #include "core/infinity.h"
 #include "core/median.h"
 #include "core/parallel.h"
@@ -61,32 +66,50 @@ double longest_wall_edge(const Raster& dtm, const RoofPlane& roof, Point2 a, Poi
 
 namespace {
 
-/// Levels the vertices of each region of water.
+/// Levels the vertices of each piece of water: of triangles that have edges in common.
 void level_water(const GroundMesh& mesh, std::vector<double>& terrain) {
   IndexedVector<RegionIndex, std::int8_t> is_water;
   for (const Region& region : mesh.regions)
     is_water.push_back(mesh.patches.of(region.floor).name == name_of(SurfaceKind::kWater));
   if (std::find(is_water.begin(), is_water.end(), 1) == is_water.end()) return;
   std::vector<std::uint8_t> has_land(mesh.vertices.size(), 0);
-  IndexedVector<RegionIndex, std::vector<VertexIndex>> vertices(mesh.regions.size());
-  for (const TriangleIndex t : mesh.triangles.indices())
-    for (const VertexIndex v : mesh.triangles[t])
-      if (const RegionIndex r = mesh.region[t]; is_water[r] != 0)
-        vertices[r].push_back(v);
-      else
-        has_land[v] = 1;
-  for (std::vector<VertexIndex>& own : vertices) {
+  std::vector<TriangleIndex> water;
+  std::vector<std::tuple<VertexIndex, VertexIndex, std::size_t>> edges;  // of water[i]
+  for (const TriangleIndex t : mesh.triangles.indices()) {
+    const std::array<VertexIndex, 3>& corners = mesh.triangles[t];
+    if (is_water[mesh.region[t]] == 0) {
+      for (const VertexIndex v : corners) has_land[v] = 1;
+      continue;
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto [low, high] = std::minmax(corners[i], corners[(i + 1) % 3]);
+      edges.emplace_back(low, high, water.size());
+    }
+    water.push_back(t);
+  }
+  std::sort(edges.begin(), edges.end());
+  DisjointSets<std::size_t> pieces(water.size());
+  for (std::size_t i = 1; i < edges.size(); ++i) {
+    const auto& [low, high, w] = edges[i - 1];
+    const auto& [next_low, next_high, next] = edges[i];
+    if (low == next_low && high == next_high) pieces.join(w, next);
+  }
+  std::map<std::size_t, std::vector<VertexIndex>> vertices;
+  for (std::size_t w = 0; w < water.size(); ++w)
+    for (const VertexIndex v : mesh.triangles[water[w]]) vertices[pieces.root(w)].push_back(v);
+  std::vector<double> levels(mesh.vertices.size(), kInfinity);
+  for (auto& [root, own] : vertices) {
     sort_once(own);
     std::vector<double> rim, all;
     for (const VertexIndex v : own) {
       all.push_back(terrain[v]);
       if (has_land[v] != 0) rim.push_back(terrain[v]);
     }
-    std::vector<double>& heights = rim.empty() ? all : rim;
-    if (heights.empty()) continue;
-    const double level = median(heights);
-    for (const VertexIndex v : own) terrain[v] = level;
+    const double level = median(rim.empty() ? all : rim);
+    for (const VertexIndex v : own) levels[v] = std::min(levels[v], level);
   }
+  for (const VertexIndex v : mesh.vertices.indices())
+    if (levels[v] < kInfinity) terrain[v] = levels[v];
 }
 
 }  // namespace
@@ -98,13 +121,6 @@ std::vector<double> terrain_under(const GroundMesh& mesh, const Raster& dtm) {
       terrain[v] = sample(dtm, mesh.vertices[v]);
   });
   level_water(mesh, terrain);
-  return terrain;
-}
-
-std::vector<double> lifted_terrain(const GroundMesh& mesh, const Raster& dtm,
-                                   std::span<const double> lift) {
-  std::vector<double> terrain = terrain_under(mesh, dtm);
-  for (const VertexIndex v : indices<VertexIndex>(lift.size())) terrain[v] += lift[v];
   return terrain;
 }
 

@@ -30,13 +30,10 @@ std::vector<std::uint8_t> outside_vertices(const GroundMesh& mesh);
 double longest_wall_edge(const Raster& dtm, const RoofPlane& roof, Point2 a, Point2 b,
                          double minimum_wall, double layers = 0);
 
-/// The DTM at each vertex; but water is level: at all vertices of a region with the patch "water"
-/// it has the median of the DTM along its rim.
+/// The DTM at each vertex; but water is level: all vertices of a piece (triangles of regions with
+/// the patch "water" that have edges in common) have the median of the DTM along its rim. Where two
+/// pieces meet in a corner, that has the lower one's.
 std::vector<double> terrain_under(const GroundMesh& mesh, const Raster& dtm);
-
-/// The same plus `lift` (per vertex, metres), if that is not empty.
-std::vector<double> lifted_terrain(const GroundMesh& mesh, const Raster& dtm,
-                                   std::span<const double> lift);
 
 /// Lowers `ground` at vertices of buildings whose roof is less than least[v] above it (a building
 /// set into a slope) to roof - wall[v], so that every wall has a positive height (guarantee 4) and,

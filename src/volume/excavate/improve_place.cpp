@@ -42,15 +42,13 @@ std::optional<Asked> missed(const FaultCounts& counts) {
 /// Works on one place.
 class Place {
  public:
-  Place(Cutout cutout, std::vector<std::uint8_t> moved, const Raster& dtm,
-        const QualityFloorOptions& options, double cells_elsewhere, const Progress& progress)
+  Place(Cutout cutout, std::vector<std::uint8_t> moved, const QualityFloorOptions& options,
+        double cells_elsewhere, const Progress& progress)
       : now_{std::move(cutout.columns.plan), std::move(cutout.columns.mesh), std::move(moved), {}},
         fixed_(std::move(cutout.fixed)),
-        dtm_(dtm),
         options_(options),
         cells_elsewhere_(cells_elsewhere),
         progress_(progress),
-        terrain_(lifted_terrain(now_.mesh.ground, dtm, now_.plan.lift)),
         faults_(now_.mesh),
         work_left_(options.work) {}
 
@@ -81,11 +79,9 @@ class Place {
 
   PlaceOutcome now_;
   std::vector<std::uint8_t> fixed_;
-  const Raster& dtm_;
   const QualityFloorOptions& options_;
   double cells_elsewhere_;
   const Progress& progress_;
-  std::vector<double> terrain_;
   MeasuredMesh faults_;
   std::int64_t work_left_;
   bool is_outgrown_ = false;
@@ -156,8 +152,8 @@ bool Place::is_at_rim(std::span<const double> excavated) const {
   };
   for (const VertexIndex v : indices<VertexIndex>(fixed_.size()))
     if (fixed_[v] != 0 &&
-        (excavated[v] < terrain_[v] || is_marked(marks_.roofs, v) || is_marked(marks_.walls, v) ||
-         (!marks_.toes.empty() && marks_.toes[v] < kInfinity)))
+        (excavated[v] < now_.plan.terrain[v] || is_marked(marks_.roofs, v) ||
+         is_marked(marks_.walls, v) || (!marks_.toes.empty() && marks_.toes[v] < kInfinity)))
       return true;
   return false;
 }
@@ -165,7 +161,7 @@ bool Place::is_at_rim(std::span<const double> excavated) const {
 /// Makes the columns anew where the ground is another with the terrain excavated as marked, and
 /// improves them. Leaves all as it is, with the result false, if that lowers nothing.
 bool Place::excavate_marked() {
-  std::vector<double> excavated = terrain_;
+  std::vector<double> excavated = now_.plan.terrain;
   ExcavationSlopes slopes;
   slopes.at_source = std::tan(to_radians(slope_deg_));
   ExcavationSources sources =
@@ -176,12 +172,10 @@ bool Place::excavate_marked() {
   }
   ColumnPlanOptions options = options_.plan;
   options.excavated = excavated;
-  options.lift = now_.plan.lift;
   options.deep_walls = marks_.walls;
-  ColumnPlan plan =
-      plan_columns(now_.mesh.ground, dtm_, now_.plan.roofs, now_.plan.spacing, options);
   const ColumnPlan& old = unexcavated_.plan;
-  plan.top = old.top;
+  ColumnPlan plan = old;
+  plan_ground(now_.mesh.ground, options, plan);
   for (const VertexIndex v : indices<VertexIndex>(fixed_.size()))
     if (fixed_[v] != 0) {
       plan.ground[v] = old.ground[v];
@@ -329,9 +323,9 @@ void Place::run() {
 }  // namespace
 
 std::optional<PlaceOutcome> improve_place(Cutout cutout, std::vector<std::uint8_t> moved,
-                                          const Raster& dtm, const QualityFloorOptions& options,
+                                          const QualityFloorOptions& options,
                                           double cells_elsewhere, const Progress& progress) {
-  Place place(std::move(cutout), std::move(moved), dtm, options, cells_elsewhere, progress);
+  Place place(std::move(cutout), std::move(moved), options, cells_elsewhere, progress);
   place.run();
   if (place.is_outgrown()) return std::nullopt;
   return place.outcome();

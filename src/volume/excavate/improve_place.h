@@ -41,7 +41,7 @@ struct PlaceOutcome {
 /// mesh without the cutout, for `options.require_fits`. `progress` is asked whether to go on.
 /// Throws Cancelled, and what `require_fits` does.
 std::optional<PlaceOutcome> improve_place(Cutout cutout, std::vector<std::uint8_t> moved,
-                                          const Raster& dtm, const QualityFloorOptions& options,
+                                          const QualityFloorOptions& options,
                                           double cells_elsewhere, const Progress& progress);
 
 }  // namespace tetropolis

@@ -107,6 +107,7 @@ Cutout cut_out(const Columns& columns, std::span<const VertexIndex> vertices) {
   Cutout cutout;
   GroundMesh ground;
   ground.regions = whole.regions;
+  ground.patches = whole.patches;
   std::vector<std::uint8_t> on_rim(vertices.size(), 0);
   for (const TriangleIndex t : triangles_around(columns.mesh.edges, vertices)) {
     std::array<VertexIndex, 3> corners = whole.triangles[t];
@@ -130,6 +131,7 @@ Cutout cut_out(const Columns& columns, std::span<const VertexIndex> vertices) {
   plan.layers = columns.plan.layers;
   for (const VertexIndex v : vertices) {
     ground.vertices.push_back(whole.vertices[v]);
+    plan.terrain.push_back(columns.plan.terrain[v]);
     plan.ground.push_back(columns.plan.ground[v]);
     plan.lowest_roof.push_back(columns.plan.lowest_roof[v]);
     plan.top.push_back(columns.plan.top[v]);

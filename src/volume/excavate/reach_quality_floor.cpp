@@ -24,8 +24,8 @@ using Outcomes = std::map<std::vector<VertexIndex>, std::optional<PlaceOutcome>>
 
 /// Works on the places around the seeds; on those that outgrow their cutouts anew, in larger ones.
 Outcomes improve_places(const Columns& columns, std::vector<std::uint8_t> seeds,
-                        std::span<const std::uint8_t> moved, const Raster& dtm,
-                        const QualityFloorOptions& options, const Progress& progress) {
+                        std::span<const std::uint8_t> moved, const QualityFloorOptions& options,
+                        const Progress& progress) {
   std::mutex mutex;
   Progress cancellation;
   cancellation.cancelled = [&] {
@@ -50,8 +50,8 @@ Outcomes improve_places(const Columns& columns, std::vector<std::uint8_t> seeds,
       std::vector<std::uint8_t> own_moved;
       for (const VertexIndex v : vertices) own_moved.push_back(moved[v]);
       const double elsewhere = cells - estimate_cells(cutout.columns.plan);
-      outcome = improve_place(std::move(cutout), std::move(own_moved), dtm, options, elsewhere,
-                              cancellation);
+      outcome =
+          improve_place(std::move(cutout), std::move(own_moved), options, elsewhere, cancellation);
     });
     is_outgrown = false;
     for (const auto* job : jobs) {
@@ -103,8 +103,8 @@ void take_outcomes(const Outcomes& outcomes, std::vector<std::uint8_t>& moved,
 
 }  // namespace
 
-ImprovedColumns reach_quality_floor(Columns columns, const Raster& dtm,
-                                    const QualityFloorOptions& options, Steps& steps) {
+ImprovedColumns reach_quality_floor(Columns columns, const QualityFloorOptions& options,
+                                    Steps& steps) {
   ImprovedColumns result;
   result.columns = std::move(columns);
   ColumnPlan& plan = result.columns.plan;
@@ -129,10 +129,9 @@ ImprovedColumns reach_quality_floor(Columns columns, const Raster& dtm,
       std::vector<std::uint8_t> seeds(moved.size(), 0);
       for (const TriangleIndex t : indices<TriangleIndex>(bad.size()))
         for (const VertexIndex v : mesh.ground.triangles[t]) seeds[v] |= bad[t];
-      take_outcomes(improve_places(result.columns, std::move(seeds), moved, dtm, options, progress),
+      take_outcomes(improve_places(result.columns, std::move(seeds), moved, options, progress),
                     moved, measured, result);
-      count_lowered(mesh.ground, lifted_terrain(mesh.ground, dtm, plan.lift),
-                    options.plan.minimum_wall, plan);
+      count_lowered(mesh.ground, options.plan.minimum_wall, plan);
       if (options.require_fits) options.require_fits(estimate_cells(plan));
     });
   result.columns_improved = std::count(moved.begin(), moved.end(), 1);

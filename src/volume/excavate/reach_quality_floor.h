@@ -40,7 +40,7 @@ using Steps = StepClock;
 ///
 /// Precondition: `columns` are valid (require_valid), graded, and over terrain not excavated yet.
 /// The same bits for any number of threads. Throws Cancelled, and what `require_fits` does.
-ImprovedColumns reach_quality_floor(Columns columns, const Raster& dtm,
-                                    const QualityFloorOptions& options, Steps& steps);
+ImprovedColumns reach_quality_floor(Columns columns, const QualityFloorOptions& options,
+                                    Steps& steps);
 
 }  // namespace tetropolis

@@ -32,7 +32,7 @@ ImprovedColumns improved(const testing::SmallCity& city, const GroundMesh& groun
   const StepHooks hooks;
   std::vector<StepTime> times;
   Steps steps(hooks, times);
-  return reach_quality_floor(std::move(columns), city.dtm, options, steps);
+  return reach_quality_floor(std::move(columns), options, steps);
 }
 
 /// The ground is that of the terrain excavated from the sources told, each to its own slope. Walls
