@@ -198,7 +198,9 @@ Point2 Refiner::split_position(const TriMesh::Triangle& x, const Shape& s, bool 
 }
 
 // Goes straight from triangle t towards `target`. The triangle it is in, or kNothing with the
-// subsegment that hides it.
+// subsegment that hides it. It ends, whatever is rounded: each edge that it crosses has the target
+// beyond it and is locally Delaunay, so the target's power by the circumcircle falls from triangle
+// to triangle (Edelsbrunner, "An acyclicity theorem for cell complexes in d dimensions", 1990).
 std::int32_t Refiner::walk(std::int32_t t, Point2 target, std::int32_t& blocking) const {
   const TriMesh::Triangle& x = mesh_.tri(t);
   const Point2 v[3] = {mesh_.point(x.v[0]), mesh_.point(x.v[1]), mesh_.point(x.v[2])};

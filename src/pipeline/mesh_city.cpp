@@ -377,7 +377,8 @@ Columns columns_with_blocks(const MeshCityOptions& options, const CityModel& cit
   }
   const std::vector<Warning> before = result.warnings;
   Columns columns = columns_of(options, city, surfaces, terrain, size, blocks, clock, result);
-  // With steep roofs a few decimetres above each other there may be no order of climbing.
+  // With steep roofs a few decimetres above each other there may be no order of climbing. Over
+  // blocks there is one (their levels are elevations), so each round finds others.
   for (auto missed = missed_buildings(columns.mesh); !missed.empty();
        missed = missed_buildings(columns.mesh)) {
     blocks.insert(blocks.end(), missed.begin(), missed.end());
@@ -403,6 +404,7 @@ ImprovedColumns improved(Columns columns, const MeshCityOptions& options, const 
   QualityFloorOptions floor;
   floor.plan = plan_options(options);
   floor.gentlest_deg = options.cut_slope_deg;
+  if (options.layer_height > 0) floor.most_gap = options.layer_height;
   floor.require_fits = [&, triangles = static_cast<double>(columns.mesh.triangle_count())](
                            double cells) { require_cells_fit(options, size, triangles, cells); };
   ImprovedColumns better = reach_quality_floor(std::move(columns), floor, clock);

@@ -445,7 +445,8 @@ std::vector<ConfigField> mesh_fields() {
       {.name = "layer_height",
        .member = &C::layer_height,
        .help = "Uniform: mean height of layers, 0: the mesh size. Graded: largest spacing (cells "
-               "may be half as high again), 0: no limit",
+               "may be half as high again), and all columns go on to the top: several times the "
+               "cells; 0: no limit",
        .unit = "m",
        .min = 0,
        .max = 1e5},

@@ -47,8 +47,9 @@ struct MeshCityOptions {
   Cells cells = Cells::kTets;  ///< Prisms: one ladder of layers for all columns, moved as uniform
                                ///< layers are, on boundary_layers (5 without).
   Layering layering = Layering::kGraded;
-  double layer_height = 0;  ///< Greatest distance between nodes of a column; of uniform layers
-                            ///< their height; metres. 0: follows from the mesh size.
+  double layer_height = 0;  ///< Greatest spacing of a column's nodes, which may be half as far
+                            ///< apart again; of uniform layers their height; metres. 0: follows
+                            ///< from the mesh size.
   Top top = Top::kFlat;
   LayerHeights boundary_layers = {};  ///< Of prisms over open ground.
   double min_wall_height = 1;  ///< Metres, > 0: lower walls have the ground beside them lowered.

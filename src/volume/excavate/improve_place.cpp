@@ -113,6 +113,7 @@ void Place::become(PlaceOutcome other) {
 bool Place::search(ImproveOptions options) {
   options.most_cells = work_left_;
   options.fixed = fixed_;
+  options.most_gap = options_.most_gap;
   const Improvement done = improve_columns(now_.mesh, options, progress_);
   work_left_ -= done.cells;
   for (const VertexIndex v : done.columns) now_.moved[v] = 1;

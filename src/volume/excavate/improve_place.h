@@ -3,11 +3,11 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <vector>
 
 #include "tetropolis/core/progress.h"
-#include "tetropolis/terrain/raster.h"
 
 #include "excavate.h"
 #include "places.h"
@@ -16,9 +16,10 @@
 namespace tetropolis {
 
 struct QualityFloorOptions {
-  ColumnPlanOptions plan;           ///< That the columns were planned with.
-  double gentlest_deg = 56;         ///< Terrain is excavated to slopes of 75, 66 or, where neither
-                                    ///< is enough, so many degrees; 90: nowhere.
+  ColumnPlanOptions plan;    ///< That the columns were planned with.
+  double gentlest_deg = 56;  ///< Terrain is excavated to slopes of 75, 66 or, where neither
+                             ///< is enough, so many degrees; 90: nowhere.
+  double most_gap = std::numeric_limits<double>::infinity();  ///< As in ImproveOptions.
   std::int64_t work = 200'000'000;  ///< Cells that the searches at one place, for one slope, may
                                     ///< look at; a cell takes some 70 ns.
   /// Throws if so many cells are too many. May be empty.

@@ -116,6 +116,7 @@ ImprovedColumns reach_quality_floor(Columns columns, const QualityFloorOptions& 
   if (measured.counts().cells_outside(Asked::kGood) > 0)
     steps.run("3.5", "improve cells", [&](const Progress& progress) {
       ImproveOptions improve;
+      improve.most_gap = options.most_gap;
       improve.before_change = [&](std::span<const VertexIndex> changing) {
         measured.forget(mesh, changing);
       };

@@ -4,8 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "tetropolis/terrain/raster.h"
-
 #include "core/step_clock.h"
 #include "excavate.h"
 #include "improve_place.h"

@@ -122,6 +122,7 @@ class Improver {
         cost_(options),
         cells_per_sweep_(options.most_cells / std::max(options.sweeps, 1)),
         fixed_(options.fixed),
+        most_gap_(options.most_gap),
         least_tangent_(std::tan(to_radians(kHopeless * options.least_deg))),
         slot_(mesh.vertex_count(), -1) {}
 
@@ -175,6 +176,7 @@ class Improver {
   Cost cost_;
   std::int64_t cells_per_sweep_;
   std::span<const std::uint8_t> fixed_;
+  double most_gap_;
   double least_tangent_;            ///< Of the angle below which a corner is hopeless.
   std::vector<std::int32_t> slot_;  ///< Per vertex: its place in changed_, or -1.
   std::vector<Column> changed_;
@@ -280,7 +282,7 @@ double Improver::cost(std::span<const TriangleIndex> triangles, VertexIndex v, C
 }
 
 /// Each corner of the triangle is a dihedral angle of the cells that rise there, whatever the
-/// nodes.
+/// nodes; and so is about that between the side across from it and a node so far above it.
 bool Improver::is_hopeless(TriangleIndex t) const {
   const std::array<VertexIndex, 3>& v = corners(t);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -290,6 +292,7 @@ bool Improver::is_hopeless(TriangleIndex t) const {
     const double along = (q.x - p.x) * (r.x - p.x) + (q.y - p.y) * (r.y - p.y);
     const double across = (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
     if (across < least_tangent_ * along) return true;
+    if (most_gap_ < least_tangent_ * across / std::hypot(r.x - q.x, r.y - q.y)) return true;
   }
   return false;
 }
@@ -371,11 +374,14 @@ bool Improver::improve_between(VertexIndex v, std::span<const TriangleIndex> tri
   double least = now * (1 - kWorthwhile);
   const auto attempt = [&](std::span<const double> between) {
     trial.z.assign(column.z.begin(), column.z.begin() + static_cast<std::ptrdiff_t>(before));
+    const auto follows = [&](double z) {
+      return z > trial.z.back() && z - trial.z.back() <= most_gap_;
+    };
     for (const double z : between) {
-      if (!(z > trial.z.back())) return;
+      if (!follows(z)) return;
       trial.z.push_back(z);
     }
-    if (!(z1 > trial.z.back())) return;
+    if (!follows(z1)) return;
     trial.z.insert(trial.z.end(), column.z.begin() + static_cast<std::ptrdiff_t>(after),
                    column.z.end());
     const auto change =

@@ -27,6 +27,8 @@ struct ImproveOptions {
   /// 1 here, the others around what changed. Empty: on all.
   std::span<const std::uint8_t> near = {};
   std::span<const std::uint8_t> fixed = {};  ///< Per vertex, 1: the column stays. Empty: none does.
+  /// Nodes that change do not become further apart, metres.
+  double most_gap = std::numeric_limits<double>::infinity();
   /// Called once with the columns that change, ascending, when the mesh still is as it was.
   std::function<void(std::span<const VertexIndex> columns)> before_change = {};
 };
@@ -54,7 +56,7 @@ struct Improvement {
 /// connected place. With most_cells unlimited, columns therefore depend on connected bad stacks and
 /// on what is around these, and on nothing else. Stacks over triangles with an angle below two
 /// thirds of `least_deg` are left alone: some of their cells have that angle, too, whatever is
-/// done.
+/// done. So are those over triangles too wide for `most_gap`, whose cells are as flat.
 ///
 /// The same bits for any number of threads. Precondition: `mesh` is valid (require_valid). Throws
 /// Cancelled.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -143,6 +145,33 @@ TEST(ImproveColumns, StraightensFacesWhereAsked) {
   EXPECT_GT(without, 0) << testing::test_seed();
   EXPECT_LT(without, before) << testing::test_seed();
   EXPECT_LT(with, without / 2) << testing::test_seed();
+}
+
+TEST(ImproveColumns, NodesDoNotBecomeFurtherApartThanTheyMay) {
+  const ColumnMesh before =
+      testing::spoilt(testing::meshed(testing::small_city(testing::hills)).mesh, 0.3);
+  const auto pairs_over = [](const ColumnMesh& mesh, VertexIndex v, double gap) {
+    std::set<std::pair<double, double>> pairs;  // of neighbouring nodes, further apart
+    for (NodeIndex n = mesh.first[v]; n + 1 < mesh.first[v + 1]; n = n + 1)
+      if (mesh.z[n + 1] - mesh.z[n] > gap) pairs.emplace(mesh.z[n], mesh.z[n + 1]);
+    return pairs;
+  };
+  // How many there are that were not before.
+  const auto wider = [&](const ColumnMesh& after, double gap) {
+    int count = 0;
+    for (const VertexIndex v : after.ground.vertices.indices()) {
+      const auto old = pairs_over(before, v, gap);
+      for (const auto& pair : pairs_over(after, v, gap)) count += old.contains(pair) ? 0 : 1;
+    }
+    return count;
+  };
+  ImproveOptions options;
+  ColumnMesh free = before, bounded = before;
+  improve_columns(free, options);
+  options.most_gap = 9;
+  EXPECT_GT(improve_columns(bounded, options).columns.size(), 0U);
+  EXPECT_GT(wider(free, options.most_gap), 0) << "seed " << testing::test_seed();
+  EXPECT_EQ(wider(bounded, options.most_gap), 0) << "seed " << testing::test_seed();
 }
 
 TEST(ImproveColumns, LeavesWhatIsGoodAlone) {
