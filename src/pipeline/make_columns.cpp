@@ -66,14 +66,15 @@ std::vector<double> spacing_of(const MeshCityOptions& options, const GroundMesh&
 }
 
 /// Roofs of the mesh's vertices; without `edges` they are horizontal.
-RoofHeights roofs_over(const CityParts& parts, const GroundMesh& ground, const EdgeGraph* edges,
-                       CityMesh& result) {
+RoofHeights roofs_over(const MeshCityOptions& options, const CityParts& parts,
+                       const GroundMesh& ground, const EdgeGraph* edges, CityMesh& result) {
   if (edges == nullptr) {
     RoofHeights roofs;
     for (const RoofPlane& roof : parts.roofs) roofs.flat.push_back(roof.elevation);
     return roofs;
   }
-  ReconciledRoofs reconciled = reconcile_roofs(ground, *edges, parts.roofs);
+  ReconciledRoofs reconciled =
+      reconcile_roofs(ground, *edges, parts.roofs, least_roof_step(options.mesh_size));
   VolumeMeshFacts& volume = result.volume_facts;
   volume.roofs_met = reconciled.closed;
   volume.most_roofs_met = reconciled.most_closed;
@@ -102,7 +103,7 @@ std::vector<double> lift_of(const MeshCityOptions& options, const Raster& dtm,
 ColumnPlan plan_of(const MeshCityOptions& options, const CityParts& parts, const Raster& dtm,
                    const GroundMesh& ground, const EdgeGraph* edges, std::vector<double> spacing,
                    CityMesh& result) {
-  RoofHeights roofs = roofs_over(parts, ground, edges, result);
+  RoofHeights roofs = roofs_over(options, parts, ground, edges, result);
   ColumnPlanOptions to_plan = plan_options(options);
   const std::vector<double> lift = lift_of(options, dtm, ground, edges, roofs);
   to_plan.lift = lift;

@@ -147,7 +147,8 @@ GroundMesh make_ground(const MeshCityOptions& options, const CityModel& city,
                                options.boundary_layers.total());
     };
     meshing.party_line = [&](RegionIndex left, RegionIndex right, Point2 a, Point2 b) {
-      return divide_party_line(parts.roofs[left], parts.roofs[right], a, b, options.mesh_size);
+      return divide_party_line(parts.roofs[left], parts.roofs[right], a, b, options.mesh_size,
+                               least_roof_step(options.mesh_size));
     };
     meshing.elevation = [&](Point2 p) { return sample(dtm, p); };
   }

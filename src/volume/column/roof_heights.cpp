@@ -18,8 +18,8 @@ double steepness(const RoofPlane& roof) {
   return 1 + roof.slope_x * roof.slope_x + roof.slope_y * roof.slope_y;
 }
 
-/// Of a step beside the roof, metres.
-double least_step(const RoofPlane& roof) { return kLeastStep * std::max(1.0, steepness(roof) / 2); }
+/// How many times as high the least step beside the roof is.
+double step_factor(const RoofPlane& roof) { return std::max(1.0, steepness(roof) / 2); }
 
 /// Steps at a vertex between roofs that need not have a common wall there, with an own bound for
 /// edges, are closed up to this height, metres: those that a triangle around the vertex reaches
@@ -34,7 +34,8 @@ double most_reach(double step) { return step < 0.75 ? 6 : 7; }
 /// Elevations of the parts around some vertices, while they are changed.
 class Floors {
  public:
-  Floors(const GroundMesh& mesh, const EdgeGraph& edges, std::span<const RoofPlane> planes);
+  Floors(const GroundMesh& mesh, const EdgeGraph& edges, std::span<const RoofPlane> planes,
+         double least_step);
 
   void close_small_steps();
   /// Whether it changed anything.
@@ -84,12 +85,13 @@ std::vector<std::uint8_t> find_shaped(const GroundMesh& mesh, std::span<const Ro
   return shaped;
 }
 
-Floors::Floors(const GroundMesh& mesh, const EdgeGraph& edges, std::span<const RoofPlane> planes)
+Floors::Floors(const GroundMesh& mesh, const EdgeGraph& edges, std::span<const RoofPlane> planes,
+               double least_step)
     : mesh_(mesh),
       edges_(edges),
       shaped_(find_shaped(mesh, planes)),
       row_of_(mesh.vertices.size(), -1) {
-  for (const RoofPlane& plane : planes) least_step_.push_back(least_step(plane));
+  for (const RoofPlane& plane : planes) least_step_.push_back(least_step * step_factor(plane));
   const VertexRegions regions = regions_at_vertices(mesh);
   for (const VertexIndex v : mesh.vertices.indices()) {
     Row row{v, {}};
@@ -287,11 +289,13 @@ ReconciledRoofs Floors::done(std::span<const RoofPlane> planes) {
 
 /// What bounds edges at the steps between two roofs.
 struct StepRule {
-  double least_step = kLeastStep;
+  double shortest_edge;
+  double least_step;
   double edges_per_step = 4;
 
-  StepRule(const RoofPlane& a, const RoofPlane& b)
-      : least_step(std::max(tetropolis::least_step(a), tetropolis::least_step(b))),
+  StepRule(const RoofPlane& a, const RoofPlane& b, double least)
+      : shortest_edge(least),
+        least_step(least * std::max(step_factor(a), step_factor(b))),
         // Found by trial, on rows of gables of 30 to 65 degrees.
         edges_per_step(std::min(4.0, 6.7 / std::max(steepness(a), steepness(b)))) {}
 
@@ -310,7 +314,7 @@ void append_pieces(const std::array<Point2, 2>& line, const std::array<double, 2
   const auto step = [&](double s) { return steps[0] + s * (steps[1] - steps[0]); };
   const double length = (u - t) * distance(line[0], line[1]);
   const double allowed = std::min(longest, rule.longest_edge(step(t), step(u)));
-  if (length > allowed && length > 2 * kLeastStep) {
+  if (length > allowed && length > 2 * rule.shortest_edge) {
     append_pieces(line, steps, rule, t, (t + u) / 2, longest, pieces);
     append_pieces(line, steps, rule, (t + u) / 2, u, longest, pieces);
     return;
@@ -324,12 +328,12 @@ void append_pieces(const std::array<Point2, 2>& line, const std::array<double, 2
 }  // namespace
 
 std::vector<LinePiece> divide_party_line(const RoofPlane& a, const RoofPlane& b, Point2 p, Point2 q,
-                                         double longest) {
+                                         double longest, double least_step) {
   constexpr double kNearEnd = 0.5;  // metres
   const std::array line{p, q};
   const std::array steps{a(p) - b(p), a(q) - b(q)};
   const double length = distance(p, q);
-  const StepRule rule(a, b);
+  const StepRule rule(a, b, least_step);
   std::vector<LinePiece> pieces;
   double from = 0;
   if (steps[0] * steps[1] < 0) {
@@ -344,8 +348,8 @@ std::vector<LinePiece> divide_party_line(const RoofPlane& a, const RoofPlane& b,
 }
 
 ReconciledRoofs reconcile_roofs(const GroundMesh& mesh, const EdgeGraph& edges,
-                                std::span<const RoofPlane> planes) {
-  Floors floors(mesh, edges, planes);
+                                std::span<const RoofPlane> planes, double least_step) {
+  Floors floors(mesh, edges, planes, least_step);
   // Roofs only ever meet and rise here, so this ends.
   do floors.close_small_steps();
   while (floors.uncross() || floors.lift());

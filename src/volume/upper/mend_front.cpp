@@ -25,7 +25,7 @@ namespace {
 
 /// Segments at poor columns and beside them become shorter by this factor, so often at most.
 constexpr double kShorter = 0.85;
-constexpr int kMostRounds = 5;
+constexpr int kMostRounds = 8;
 
 /// Columns around poor ones climb again, as far away as these are below the top times this; the
 /// second time if the first does not do.

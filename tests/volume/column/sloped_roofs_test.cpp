@@ -24,6 +24,8 @@
 namespace tetropolis {
 namespace {
 
+constexpr double kLeastStep = 0.3;  // metres
+
 constexpr double kTop = 300;
 
 /// A grid of `n` squares of 4 m with open ground around; squares of one building have parts at
@@ -90,7 +92,7 @@ struct SlopedParts {
       const auto [a, b] = edges.vertices[e];
       ground.tagged_edges.push_back({a, b, kNoRegion, 0});
     }
-    roofs = reconcile_roofs(ground, edges, planes);
+    roofs = reconcile_roofs(ground, edges, planes, kLeastStep);
     for (const Point2 p : ground.vertices) plan.ground.push_back(0.05 * p.x - 0.03 * p.y);
     plan.roofs = roofs.roofs;
     plan.lowest_roof = lowest_roofs(ground, plan.roofs);
@@ -224,7 +226,8 @@ TEST(SlopedRoofs, NearRoofsAtTheCornerOfAThirdMeetWhereTrianglesAreLong) {
           ground.region.push_back(
               RegionIndex(regions[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)]));
       }
-    const ReconciledRoofs met = reconcile_roofs(ground, build_edge_graph(ground), planes);
+    const ReconciledRoofs met =
+        reconcile_roofs(ground, build_edge_graph(ground), planes, kLeastStep);
     // Triangles reach 4 m from the corner. A cell over one is as sharp as the step over this.
     const bool is_thin = step < kLeastStep || (step < 0.75 && step < 4.0 / 6);
     EXPECT_EQ(met.closed, is_thin ? 1 : 0);
@@ -237,7 +240,8 @@ TEST(SlopedRoofs, NearRoofsAtTheCornerOfAThirdMeetWhereTrianglesAreLong) {
 
 TEST(SlopedRoofs, PartyLinesHaveAVertexWhereRoofsCrossAndShortEdgesAtLowSteps) {
   const RoofPlane flat{{0, 0}, 10, 0, 0}, rising{{0, 0}, 8, 0.25, 0};
-  const std::vector<LinePiece> pieces = divide_party_line(flat, rising, {0, 3}, {20, 3}, 10);
+  const std::vector<LinePiece> pieces =
+      divide_party_line(flat, rising, {0, 3}, {20, 3}, 10, kLeastStep);
   double from = 0;
   bool crosses = false;
   for (const LinePiece& piece : pieces) {
@@ -253,7 +257,7 @@ TEST(SlopedRoofs, PartyLinesHaveAVertexWhereRoofsCrossAndShortEdgesAtLowSteps) {
   EXPECT_TRUE(crosses);
   EXPECT_EQ(pieces.back().end, (Point2{20, 3}));
   // Roofs that are one.
-  EXPECT_EQ(divide_party_line(flat, flat, {0, 3}, {20, 3}, 10).size(), 2U);
+  EXPECT_EQ(divide_party_line(flat, flat, {0, 3}, {20, 3}, 10, kLeastStep).size(), 2U);
 }
 
 }  // namespace
