@@ -110,26 +110,6 @@ double longest_edge(const GroundMeshOptions& options) {
   return std::max(options.mesh_size, options.grading.far_size);
 }
 
-void require_sizes(const GroundMeshOptions& options) {
-  const auto is_size = [](double size) { return size > 0 && std::isfinite(size); };
-  if (!is_size(options.mesh_size))
-    throw Error(ErrorKind::kUsage,
-                fmt::format("mesh size {}: must be positive", options.mesh_size));
-  const SizeGrading& grading = options.grading;
-  if (grading.far_size != 0 && !(grading.far_size >= options.mesh_size))
-    throw Error(ErrorKind::kUsage,
-                fmt::format("far_size {} is below mesh_size {}: edges grow away from buildings",
-                            grading.far_size, options.mesh_size));
-  if (!(grading.ground_size >= 0))
-    throw Error(ErrorKind::kUsage,
-                fmt::format("ground_size {}: must not be negative", grading.ground_size));
-  if (!(grading.growth > 1))
-    throw Error(ErrorKind::kUsage, fmt::format("size_growth {}: must be above 1", grading.growth));
-  for (const SizeRegion& region : grading.regions)
-    if (!is_size(region.size))
-      throw Error(ErrorKind::kUsage, fmt::format("refine: size {}: must be positive", region.size));
-}
-
 // Adds a ring, directed so that the building lies on the left of its segments.
 void add_ring(const Ring& ring, bool is_hole, BuildingIndex building, RegionIndex inside,
               const SurfaceBorders& borders, const Domain& domain, const GroundMeshOptions& options,
@@ -395,7 +375,7 @@ GroundMesh mesh_ground_parts(std::span<const PartOutline> parts, const Domain& d
         ErrorKind::kInput,
         fmt::format("domain ({}, {}, {}, {}) is empty; give other bounds", domain.bounds().xmin,
                     domain.bounds().ymin, domain.bounds().xmax, domain.bounds().ymax));
-  require_sizes(options);
+  require_sizes(options.mesh_size, options.grading);
   RefineOptions refinement;
   refinement.min_angle_deg = options.min_angle_deg;
   refinement.max_edge = longest_edge(options);

@@ -5,6 +5,9 @@
 #include <cstddef>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "core/infinity.h"
@@ -141,6 +144,24 @@ std::vector<std::pair<double, double>> SizeField::sizes() const {
   std::vector<std::pair<double, double>> sizes;
   collect(nodes_.front(), middle_, half_, sizes);
   return sizes;
+}
+
+void require_sizes(double mesh_size, const SizeGrading& grading) {
+  const auto is_size = [](double size) { return size > 0 && std::isfinite(size); };
+  if (!is_size(mesh_size))
+    throw Error(ErrorKind::kUsage, fmt::format("mesh_size {}: must be positive", mesh_size));
+  if (grading.far_size != 0 && !(grading.far_size >= mesh_size))
+    throw Error(ErrorKind::kUsage,
+                fmt::format("far_size {} is below mesh_size {}: edges grow away from buildings",
+                            grading.far_size, mesh_size));
+  if (!(grading.ground_size >= 0))
+    throw Error(ErrorKind::kUsage,
+                fmt::format("ground_size {}: must not be negative", grading.ground_size));
+  if (!(grading.growth > 1))
+    throw Error(ErrorKind::kUsage, fmt::format("size_growth {}: must be above 1", grading.growth));
+  for (const SizeRegion& region : grading.regions)
+    if (!is_size(region.size))
+      throw Error(ErrorKind::kUsage, fmt::format("refine: size {}: must be positive", region.size));
 }
 
 SizeField graded_sizes(std::span<const Polygon* const> buildings, const Bounds2& box,

@@ -69,8 +69,11 @@ class SizeField {
   std::vector<std::int32_t> leaf_edges_, leaf_areas_;
 };
 
-/// The field of a mesh around `buildings` (whose insides it does not know). Precondition: far_size,
-/// growth and sizes of regions are in range.
+/// Throws Error(kUsage) unless sizes and growth are in the ranges that mesh_ground.h states.
+void require_sizes(double mesh_size, const SizeGrading& grading);
+
+/// The field of a mesh around `buildings` (whose insides it does not know). Precondition: those of
+/// require_sizes.
 SizeField graded_sizes(std::span<const Polygon* const> buildings, const Bounds2& box,
                        double mesh_size, const SizeGrading& grading);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -38,6 +39,42 @@
 namespace tetropolis {
 
 namespace {
+
+/// Throws Error(kUsage), naming the setting, unless numbers are in the ranges that mesh_city.h
+/// states.
+void require_in_range(const MeshCityOptions& options) {
+  require_sizes(options.mesh_size, options.grading);
+  struct Limits {
+    const char* setting;
+    double value, least, most;
+    const char* range;
+  };
+  constexpr double kSmallest = std::numeric_limits<double>::min();
+  constexpr double kGreatest = std::numeric_limits<double>::max();
+  constexpr double kBelowOne = 1 - std::numeric_limits<double>::epsilon();
+  constexpr auto kPositive = "above 0", kNotNegative = "0 or more";
+  const LayerHeights& layers = options.boundary_layers;
+  for (const Limits& limits :
+       {Limits{"mesh_size", options.mesh_size, kSmallest, 1e4, "above 0, 10000 at most"},
+        Limits{"min_building_distance", options.surface_clearance, kSmallest, kGreatest, kPositive},
+        Limits{"target_cells", options.target_cells, 0, kGreatest, kNotNegative},
+        Limits{"min_angle", options.min_angle_deg, 0, 33, "0 to 33"},
+        Limits{"domain_height", options.domain_height, kSmallest, kGreatest, kPositive},
+        Limits{"layer_height", options.layer_height, 0, kGreatest, kNotNegative},
+        Limits{"boundary_layers", static_cast<double>(layers.count), 0, kGreatest, kNotNegative},
+        Limits{"first_layer", layers.first, kSmallest, kGreatest, kPositive},
+        Limits{"layer_growth", layers.growth, 1, kGreatest, "1 or more"},
+        Limits{"min_wall_height", options.min_wall_height, kSmallest, kGreatest, kPositive},
+        Limits{"cut_slope", options.cut_slope_deg, kSmallest, 90, "above 0, 90 at most"},
+        Limits{"min_gap_share", options.min_gap_share, kSmallest, kBelowOne, "above 0 and below 1"},
+        Limits{"solver_tolerance", options.solver_tolerance, kSmallest, kGreatest, kPositive},
+        Limits{"solver_iterations", static_cast<double>(options.solver_iterations), 1, kGreatest,
+               "1 or more"},
+        Limits{"max_memory", options.max_bytes, kSmallest, kInfinity, kPositive}})
+    if (!(limits.value >= limits.least && limits.value <= limits.most))
+      throw Error(ErrorKind::kUsage,
+                  fmt::format("{} {}: must be {}", limits.setting, limits.value, limits.range));
+}
 
 /// Of sizes that are sought for a number of cells.
 constexpr double kLeastScale = 1e-3, kGreatestScale = 1e3;
@@ -458,6 +495,7 @@ void measure(const MeshCityOptions& options, const CityModel& city, MeshQuality 
 
 CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions& given,
                    const StepHooks& hooks) {
+  require_in_range(given);
   CityMesh result;
   StepClock clock(hooks, result.steps);
   const Point2 origin = city.origin;

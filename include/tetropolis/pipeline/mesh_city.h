@@ -35,12 +35,13 @@ enum class Cells { kTets, kPrisms };
 
 struct MeshCityOptions {
   double mesh_size = 10;  ///< Longest edge of the ground mesh in buildings, at walls and, without
-                          ///< a grading, everywhere; metres, > 0.
+                          ///< a grading, everywhere; metres, > 0, at most 10,000.
   SizeGrading grading = {};  ///< How edges grow away from buildings. Regions: CRS coordinates.
   std::vector<SurfaceArea> surfaces = {};  ///< Water, roads, vegetation. CRS coordinates.
   double surface_clearance = 1;  ///< Of their edges, from each other and buildings; metres, > 0.
   std::vector<Canopy> canopies = {};  ///< Trees, which become zones of cells. CRS coordinates.
-  double target_cells = 0;  ///< Scales all sizes until the mesh has about so many; 0: it does not.
+  double target_cells = 0;     ///< Scales all sizes until the mesh has about so many; >= 0, 0: it
+                               ///< does not.
   double min_angle_deg = 25;   ///< Of the ground mesh; 0 to 33.
   double domain_height = 100;  ///< Of the top above the highest terrain, metres, > 0.
   bool own_top = false;        ///< Rather the top that the city has, if it has one.
@@ -48,16 +49,17 @@ struct MeshCityOptions {
                                ///< layers are, on boundary_layers (5 without).
   Layering layering = Layering::kGraded;
   double layer_height = 0;  ///< Greatest spacing of a column's nodes, which may be half as far
-                            ///< apart again; of uniform layers their height; metres. 0: follows
-                            ///< from the mesh size.
+                            ///< apart again; of uniform layers their height; metres, >= 0. 0:
+                            ///< follows from the mesh size.
   Top top = Top::kFlat;
   LayerHeights boundary_layers = {};  ///< Of prisms over open ground.
   double min_wall_height = 1;  ///< Metres, > 0: lower walls have the ground beside them lowered.
   double cut_slope_deg = 56;  ///< Gentlest slope to excavate terrain to where cells would otherwise
-                              ///< be poor; 90: never.
-  double min_gap_share = 0.25;     ///< See MonotoneOptions; where Laplace problems are solved.
-  double solver_tolerance = 1e-3;  ///< See LaplaceOptions.
-  int solver_iterations = 1000;    ///< See LaplaceOptions.
+                              ///< be poor; > 0, at most 90: never.
+  double min_gap_share = 0.25;  ///< Where Laplace problems are solved: least layer, as a share of
+                                ///< the even spacing; in (0, 1).
+  double solver_tolerance = 1e-3;  ///< Of them: by how much the error has to fall, > 0.
+  int solver_iterations = 1000;    ///< At most, > 0.
   double max_bytes = std::numeric_limits<double>::infinity();  ///< Memory of the process.
 };
 

@@ -1,0 +1,80 @@
+// What mesh_city refuses before it meshes.
+#include "tetropolis/pipeline/mesh_city.h"
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tetropolis/core/error.h"
+#include "tetropolis/geometry/polygon.h"
+
+#include "support/errors.h"
+#include "support/small_city.h"
+
+namespace tetropolis {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+testing::SmallCity level_city() {
+  return testing::small_city([](double, double) { return 3.0; });
+}
+
+using EditOptions = std::function<void(MeshCityOptions&)>;
+
+TEST(MeshCity, RefusesOptionsOutOfRange) {
+  const testing::SmallCity small = level_city();
+  const CityModel city = testing::city_model(small);
+  const auto region = [](double size) {
+    return EditOptions([size](MeshCityOptions& options) {
+      options.grading.regions = {{rectangle({1010, 2010, 1020, 2020}), size}};
+    });
+  };
+  const std::vector<std::pair<std::string, EditOptions>> edits = {
+      {"mesh_size -1: must be positive", [](auto& options) { options.mesh_size = -1; }},
+      {"mesh_size 1000000000: must be", [](auto& options) { options.mesh_size = 1e9; }},
+      {"mesh_size nan", [](auto& options) { options.mesh_size = kNaN; }},
+      {"refine: size 0", region(0)},
+      {"refine: size -2", region(-2)},
+      {"refine: size nan", region(kNaN)},
+      {"size_growth 1", [](auto& options) { options.grading = {.far_size = 20, .growth = 1}; }},
+      {"far_size 5", [](auto& options) { options.grading.far_size = 5; }},
+      {"min_building_distance 0", [](auto& options) { options.surface_clearance = 0; }},
+      {"target_cells -5: must be 0 or more", [](auto& options) { options.target_cells = -5; }},
+      {"min_angle 40: must be 0 to 33", [](auto& options) { options.min_angle_deg = 40; }},
+      {"domain_height 0: must be above 0", [](auto& options) { options.domain_height = 0; }},
+      {"domain_height nan", [](auto& options) { options.domain_height = kNaN; }},
+      {"domain_height inf",
+       [](auto& options) { options.domain_height = std::numeric_limits<double>::infinity(); }},
+      {"layer_height -1", [](auto& options) { options.layer_height = -1; }},
+      {"boundary_layers -3", [](auto& options) { options.boundary_layers.count = -3; }},
+      {"first_layer -1",
+       [](auto& options) {
+         options.boundary_layers = {3, -1, 1.2};
+       }},
+      {"layer_growth 0.5",
+       [](auto& options) {
+         options.boundary_layers = {3, 0.5, 0.5};
+       }},
+      {"min_wall_height -1", [](auto& options) { options.min_wall_height = -1; }},
+      {"cut_slope nan", [](auto& options) { options.cut_slope_deg = kNaN; }},
+      {"cut_slope 91", [](auto& options) { options.cut_slope_deg = 91; }},
+      {"min_gap_share 1", [](auto& options) { options.min_gap_share = 1; }},
+      {"solver_tolerance 0", [](auto& options) { options.solver_tolerance = 0; }},
+      {"solver_iterations 0", [](auto& options) { options.solver_iterations = 0; }},
+      {"max_memory nan", [](auto& options) { options.max_bytes = kNaN; }}};
+  for (const auto& [words, edit] : edits) {
+    MeshCityOptions options;
+    edit(options);
+    const std::string message = testing::error_of(
+        [&, &options = options] { mesh_city(city, small.dtm, options); }, ErrorKind::kUsage);
+    EXPECT_TRUE(message.starts_with(words)) << words << " | " << message;
+  }
+}
+
+}  // namespace
+}  // namespace tetropolis
