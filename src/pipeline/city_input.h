@@ -31,8 +31,8 @@ struct CityInput {
 /// Brings all into one frame and finds the domain: as options.bounds says, or default_domain, or
 /// without footprints the box of the points. Without bounds, points far from all others become
 /// noise (find_stray_points; "stray_points"). Where there are no points, the box in which heights
-/// are known takes their place. Adds warnings. Throws Error(kInput): neither points nor terrain,
-/// degrees, units other than metres, no overlap.
+/// are known takes their place. Adds warnings. Throws Error(kInput): neither points nor terrain, a
+/// terrain that require_raster refuses, degrees, units other than metres, no overlap.
 CityInput place_input(CitySources sources, const BuildCityOptions& options,
                       std::vector<Warning>& warnings);
 

@@ -29,6 +29,7 @@
 #include "memory.h"
 #include "mesh_scores.h"
 #include "mesh_warnings.h"
+#include "require_terrain.h"
 #include "volume/column/ground_heights.h"
 #include "volume/column/levels.h"
 #include "volume/column/roof_heights.h"
@@ -496,6 +497,7 @@ void measure(const MeshCityOptions& options, const CityModel& city, MeshQuality 
 CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions& given,
                    const StepHooks& hooks) {
   require_in_range(given);
+  require_raster(terrain, "terrain");
   CityMesh result;
   StepClock clock(hooks, result.steps);
   const Point2 origin = city.origin;

@@ -18,6 +18,7 @@
 #include "footprint_extent.h"
 #include "io/vector/vector_geometry.h"
 #include "require_room.h"
+#include "require_terrain.h"
 #include "stray_points.h"
 
 namespace tetropolis {
@@ -202,6 +203,7 @@ CityInput place_input(CitySources sources, const BuildCityOptions& options,
                       std::vector<Warning>& warnings) {
   PointsInput& points = sources.points;
   FootprintsInput& footprints = sources.footprints;
+  if (sources.terrain) require_raster(sources.terrain->raster, sources.terrain->source);
   const bool has_points = points.points.size() > 0;
   if (!has_points && !sources.terrain)
     throw Error(ErrorKind::kInput, points.source + ": the point cloud has no points");

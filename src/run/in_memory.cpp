@@ -17,6 +17,7 @@
 #include "mistaken_input.h"
 #include "options_of.h"
 #include "pipeline/elevations.h"
+#include "pipeline/require_terrain.h"
 #include "preflight_line.h"
 #include "read_canopies.h"
 #include "read_input.h"
@@ -61,9 +62,7 @@ void require_heights(const BuiltCity& city) {
                 "{:.6g} m; raise h_roof",
                 building.id, low, building.h_ground));
   }
-  const std::vector<double>& heights = city.terrain.values;
-  if (const auto wrong = find_no_elevation(heights); wrong != heights.end())
-    throw Error(ErrorKind::kInput, fmt::format("terrain: {} is not an elevation", *wrong));
+  require_raster(city.terrain, "terrain");
 }
 
 }  // namespace

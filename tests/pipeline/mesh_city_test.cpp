@@ -11,6 +11,7 @@
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
+#include "tetropolis/pipeline/build_city.h"
 
 #include "support/errors.h"
 #include "support/small_city.h"
@@ -73,6 +74,35 @@ TEST(MeshCity, RefusesOptionsOutOfRange) {
     const std::string message = testing::error_of(
         [&, &options = options] { mesh_city(city, small.dtm, options); }, ErrorKind::kUsage);
     EXPECT_TRUE(message.starts_with(words)) << words << " | " << message;
+  }
+}
+
+using EditRaster = std::function<void(Raster&)>;
+
+TEST(MeshCity, RefusesTerrainsThatAreNone) {
+  const testing::SmallCity small = level_city();
+  const CityModel city = testing::city_model(small);
+  const std::vector<std::pair<std::string, EditRaster>> edits = {
+      {"terrain: 0 values for 0 x 0 nodes", [](Raster& raster) { raster = {}; }},
+      {"terrain: 50 values for 121 x 91 nodes", [](Raster& raster) { raster.values.resize(50); }},
+      {"terrain: 1 values for -1 x -1 nodes",
+       [](Raster& raster) { raster = {-1, -1, 0, 0, 1, {3}}; }},
+      {"terrain: nodes every 0 m", [](Raster& raster) { raster.step = 0; }},
+      {"terrain: nodes every nan m", [](Raster& raster) { raster.step = kNaN; }},
+      {"terrain: nodes every 1 m from (nan, 0)", [](Raster& raster) { raster.x0 = kNaN; }},
+      {"terrain: nan is not an elevation (node 5, 4)",
+       [](Raster& raster) { raster.values[4 * 121 + 5] = kNaN; }},
+      {"terrain: -9999 is not an elevation", [](Raster& raster) { raster.values[0] = -9999; }}};
+  for (const auto& [words, edit] : edits) {
+    Raster raster = small.dtm;
+    edit(raster);
+    const auto mesh = [&, &raster = raster] { mesh_city(city, raster); };
+    const std::string message = testing::error_of(mesh, ErrorKind::kInput);
+    EXPECT_TRUE(message.starts_with(words)) << words << " | " << message;
+    CitySources sources;
+    sources.terrain = TerrainInput{.source = "terrain", .raster = raster, .origin = {}, .crs = {}};
+    const auto build = [&, &sources = sources] { build_city(std::move(sources)); };
+    EXPECT_EQ(testing::error_of(build, ErrorKind::kInput), message);
   }
 }
 

@@ -35,10 +35,10 @@ enum class BoundaryBuildings { kDrop, kClip };
 /// Terrain that is known, instead of that of ground points.
 struct TerrainInput {
   std::string source = "terrain";  ///< What messages call it.
-  Raster raster;                   ///< Every value is finite. One node: level ground everywhere.
+  Raster raster;                   ///< Of elevations, metres. One node: level ground everywhere.
   Point2 origin;                   ///< Of the raster's frame, CRS coordinates.
   std::string crs;                 ///< Of the coordinates; "" if unknown.
-  bool is_of_bases = false;        ///< It is made of the bases of buildings (ground_of_bases.h).
+  bool is_of_bases = false;        ///< It is made of the bases that buildings state.
 };
 
 /// What a city is made of. Roofs are those of the points, else the heights that footprints state;
@@ -174,7 +174,8 @@ std::string account_in_words(const CityFacts& facts, const BuildCityOptions& opt
 /// boundary; the same bytes for any number of threads.
 ///
 /// Throws Error(kInput), naming `points.source` or `footprints.source`: no points, degrees, units
-/// other than metres, no overlap, no ground, no usable footprint (unless terrain_only).
+/// other than metres, no overlap, no ground, no usable footprint (unless terrain_only); a terrain
+/// that is none, or has values that are no elevations (NaN, -9999).
 /// Error(kUsage): the points need more than max_bytes. Error(kGuarantee): an account that does not
 /// add up. Cancelled.
 BuiltCity build_city(PointsInput points, FootprintsInput footprints,
