@@ -498,6 +498,7 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
                    const StepHooks& hooks) {
   require_in_range(given);
   require_raster(terrain, "terrain");
+  require_terrain_under(city, terrain, "terrain");
   CityMesh result;
   StepClock clock(hooks, result.steps);
   const Point2 origin = city.origin;

@@ -9,6 +9,7 @@
 #include "tetropolis/core/row_major.h"
 
 #include "elevations.h"
+#include "require_room.h"
 
 namespace tetropolis {
 
@@ -29,6 +30,18 @@ void require_raster(const Raster& raster, const std::string& source) {
   const auto nx = static_cast<std::size_t>(raster.nx);
   throw Error(ErrorKind::kInput, fmt::format("{}: {} is not an elevation (node {}, {}); fill it",
                                              source, *wrong, node % nx, node / nx));
+}
+
+void require_terrain_under(const CityModel& city, const Raster& terrain,
+                           const std::string& source) {
+  const Bounds2 covered = terrain.bounds().grown(terrain.step);
+  if (terrain.values.size() == 1 || covered.covers(city.domain.bounds())) return;
+  const Bounds2 there = terrain.bounds().moved(city.origin);
+  throw Error(
+      ErrorKind::kInput,
+      fmt::format("{}: x {:.1f} .. {:.1f}, y {:.1f} .. {:.1f}, does not cover the domain, "
+                  "which is {}; give smaller `bounds` or another terrain",
+                  source, there.xmin, there.xmax, there.ymin, there.ymax, domain_text(city)));
 }
 
 }  // namespace tetropolis

@@ -24,6 +24,7 @@
 #include "pipeline/elevations.h"
 #include "pipeline/require_metres.h"
 #include "pipeline/require_room.h"
+#include "pipeline/require_terrain.h"
 
 namespace tetropolis {
 
@@ -45,22 +46,13 @@ std::pair<Domain, std::string> domain_of(const Config& config, const CityModel& 
   return {terrain.domain.value_or(terrain.raster.bounds()), terrain_path(config)};
 }
 
-/// Whether the terrain is the city's: same reference system, and under all of the domain but for a
-/// fringe of one step.
-void require_terrain_under(const Config& config, const CityModel& city,
-                           const RasterInput& terrain) {
-  if (!city.crs.empty() && !terrain.crs.empty() && !same_horizontal_crs(city.crs, terrain.crs))
-    throw Error(
-        ErrorKind::kInput,
-        fmt::format("{}: the terrain is in {}, the city {} in {}; give the one that was "
-                    "made with the city, or reproject one of them",
-                    terrain_path(config), crs_name(terrain.crs), config.city, crs_name(city.crs)));
-  const Bounds2 covered = terrain.raster.bounds().grown(terrain.raster.step);
-  if (!covered.covers(city.domain.bounds()))
-    throw Error(ErrorKind::kInput,
-                fmt::format("{}: the terrain does not cover the domain, which is {}; give smaller "
-                            "`bounds` or another terrain",
-                            terrain_path(config), domain_text(city)));
+void require_one_system(const Config& config, const CityModel& city, const RasterInput& terrain) {
+  if (city.crs.empty() || terrain.crs.empty() || same_horizontal_crs(city.crs, terrain.crs)) return;
+  throw Error(
+      ErrorKind::kInput,
+      fmt::format("{}: the terrain is in {}, the city {} in {}; give the one that was "
+                  "made with the city, or reproject one of them",
+                  terrain_path(config), crs_name(terrain.crs), config.city, crs_name(city.crs)));
 }
 
 /// Warns where the terrain is not what the buildings stand on: heights of two vertical systems are
@@ -161,7 +153,8 @@ MeshableInput read_meshable(const Config& config, std::vector<Warning>& warnings
   std::string source;
   std::tie(city.domain, source) = domain_of(config, city, terrain);
   require_room(config.min_building_distance, city.domain.bounds(), source);
-  require_terrain_under(config, city, terrain);
+  require_one_system(config, city, terrain);
+  require_terrain_under(city, terrain.raster, terrain_path(config));
   if (city.crs.empty()) city.crs = terrain.crs;
   if (source != config.city) {
     city.domain_top = std::numeric_limits<double>::quiet_NaN();

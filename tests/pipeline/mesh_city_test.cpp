@@ -106,5 +106,23 @@ TEST(MeshCity, RefusesTerrainsThatAreNone) {
   }
 }
 
+TEST(MeshCity, RefusesTerrainsThatAreNotUnderTheDomain) {
+  const testing::SmallCity small = level_city();
+  const CityModel city = testing::city_model(small);
+  Raster in_crs = small.dtm;
+  in_crs.x0 += city.origin.x;
+  in_crs.y0 += city.origin.y;
+  const std::string message =
+      testing::error_of([&] { mesh_city(city, in_crs); }, ErrorKind::kInput);
+  EXPECT_EQ(message,
+            "terrain: x 2000.0 .. 2120.0, y 4000.0 .. 4090.0, does not cover the domain, which is "
+            "x 1000.0 .. 1120.0, y 2000.0 .. 2090.0; give smaller `bounds` or another terrain");
+  Raster short_of = small.dtm;
+  short_of.x0 += 0.9;  // a fringe of a step is none
+  EXPECT_EQ(testing::error_of([&] { mesh_city(city, short_of); }), "");
+  const Raster level = {1, 1, 5e5, 5e5, 1, {3}};
+  EXPECT_EQ(testing::error_of([&] { mesh_city(city, level); }), "");
+}
+
 }  // namespace
 }  // namespace tetropolis

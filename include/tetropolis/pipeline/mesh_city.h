@@ -171,16 +171,17 @@ struct CityMesh {
 /// until it keeps the floor of quality where that can be reached (cell_quality.h).
 ///
 /// Preconditions: footprints are valid, and keep a clearance between each other and the domain's
-/// boundary (build_city's `city` does; for others see require_meshable); `terrain` covers the
-/// domain, in the city's local frame.
+/// boundary (build_city's `city` does; for others see require_meshable). `terrain`: in the city's
+/// local frame, under all of the domain but for a fringe of one step; of a single node: level
+/// ground everywhere.
 ///
 /// Guarantees 3 to 6 (docs/quality.md): footprints are unions of mesh edges, every cell is
 /// positive, the boundary is closed, manifold and tagged, heights are exact at vertices. `boundary`
 /// is that of `volume`. The same bytes for any number of threads.
 ///
 /// Throws Error(kUsage): options out of range, a mesh of too many layers or of more than max_bytes.
-/// Error(kInput): a terrain that is none, or has values that are no elevations (NaN, -9999).
-/// Error(kGuarantee): one cannot be met. Cancelled.
+/// Error(kInput): a terrain that is none, with values that are no elevations (NaN, -9999), or not
+/// under the domain. Error(kGuarantee): one cannot be met. Cancelled.
 CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions& options = {},
                    const StepHooks& hooks = {});
 
