@@ -5,6 +5,9 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "core/infinity.h"
@@ -21,7 +24,13 @@ Domain::Domain(Ring ring, std::vector<Patch> patches, std::vector<PatchInfo> own
     : box_(tetropolis::bounds(ring)),
       ring_(std::move(ring)),
       side_patches_(std::move(patches)),
-      own_patches_(std::move(own)) {}
+      own_patches_(std::move(own)) {
+  if (ring_.size() < 3 || side_patches_.size() != ring_.size())
+    throw Error(
+        ErrorKind::kUsage,
+        fmt::format("domain: {} patches for {} sides; give a patch for each of three or more",
+                    side_patches_.size(), ring_.size()));
+}
 
 double Domain::area() const { return is_box() ? box_.width() * box_.height() : signed_area(ring_); }
 

@@ -35,8 +35,9 @@ void match_to_terrain(const Raster& terrain, const Domain& domain, FootprintsInp
                       std::vector<Warning>& warnings) {
   std::vector<Weighted> above, heights;
   for (const Footprint& feature : footprints.features) {
+    if (!std::isfinite(feature.base) || feature.polygon.outer.empty()) continue;
     const Point2 p = feature.polygon.outer.front();
-    if (!std::isfinite(feature.base) || !domain.contains(p)) continue;
+    if (!domain.contains(p)) continue;
     const double volume = area(feature.polygon) * feature.height;
     above.push_back({feature.base - sample(terrain, p), volume});
     heights.push_back({feature.height, volume});

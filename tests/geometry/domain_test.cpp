@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
+
+#include "support/errors.h"
 
 namespace tetropolis {
 namespace {
@@ -84,6 +88,17 @@ TEST(Domain, OfAPolygon) {
   EXPECT_EQ(moved.sides()[0].from, (Point2{100, 50}));
   EXPECT_EQ(moved.bounds(), domain.bounds().moved({100, 50}));
   EXPECT_NE(moved, domain);
+}
+
+TEST(Domain, OfAPolygonHasAPatchForEachSide) {
+  const Ring ring{{0, 0}, {10, 0}, {10, 8}};
+  const auto make = [](const Ring& sides, std::size_t patches) {
+    return testing::error_of([&] { Domain(sides, std::vector<Patch>(patches, Patch::kXMin), {}); },
+                             ErrorKind::kUsage);
+  };
+  EXPECT_EQ(make(ring, 3), "");
+  EXPECT_EQ(make(ring, 2), "domain: 2 patches for 3 sides; give a patch for each of three or more");
+  EXPECT_NE(make({}, 0), "");
 }
 
 }  // namespace

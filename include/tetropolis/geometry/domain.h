@@ -30,7 +30,8 @@ class Domain {
   Domain(const Bounds2& box) : box_(box) {}  // NOLINT: a box is a domain
   Domain(double xmin, double ymin, double xmax, double ymax) : box_{xmin, ymin, xmax, ymax} {}
   /// `ring`: simple, counter-clockwise. `patches`: of each side, the first from vertex 0 to 1.
-  /// `own`: those of them that not every city has.
+  /// `own`: those of them that not every city has. Throws Error(kUsage): fewer than three sides, or
+  /// not a patch for each.
   Domain(Ring ring, std::vector<Patch> patches, std::vector<PatchInfo> own);
 
   bool is_box() const { return ring_.empty(); }
