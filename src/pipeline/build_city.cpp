@@ -263,7 +263,7 @@ void require_fits(const BuildCityOptions& options, const CityInput& input) {
       input.domain.width() * input.domain.height() / (options.dtm.step * options.dtm.step);
   require_points_fit(
       {static_cast<double>(input.points.points.size()), nodes, options.extract.margin},
-      options.max_bytes);
+      memory_limit(options.max_bytes));
 }
 
 PointLists no_points_of(std::size_t buildings) {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
+#include "tetropolis/core/system_memory.h"
 
 #include "make_columns.h"
 
@@ -136,6 +137,8 @@ void CitySize::add(const Polygon& footprint) {
   footprint_vertices += static_cast<double>(footprint.outer.size());
   for (const Ring& hole : footprint.holes) footprint_vertices += static_cast<double>(hole.size());
 }
+
+double memory_limit(double max_bytes) { return max_bytes > 0 ? max_bytes : 0.9 * usable_memory(); }
 
 MeshEstimate estimate_mesh(const MeshCityOptions& options, const CitySize& city) {
   MeshEstimate estimate;

@@ -35,6 +35,9 @@ struct MeshEstimate {
 /// bench/); columns are divided about every 0.7 h.
 MeshEstimate estimate_mesh(const MeshCityOptions& options, const CitySize& city);
 
+/// What a process may take: `max_bytes`, or, if that is 0, nine tenths of usable_memory().
+double memory_limit(double max_bytes);
+
 /// A mesh that memory does not hold: kUsage.
 class MeshTooLarge : public Error {
  public:

@@ -71,7 +71,7 @@ void require_in_range(const MeshCityOptions& options) {
         Limits{"solver_tolerance", options.solver_tolerance, kSmallest, kGreatest, kPositive},
         Limits{"solver_iterations", static_cast<double>(options.solver_iterations), 1, kGreatest,
                "1 or more"},
-        Limits{"max_memory", options.max_bytes, kSmallest, kInfinity, kPositive}})
+        Limits{"max_memory", options.max_bytes, 0, kInfinity, kNotNegative}})
     if (!(limits.value >= limits.least && limits.value <= limits.most))
       throw Error(ErrorKind::kUsage,
                   fmt::format("{} {}: must be {}", limits.setting, limits.value, limits.range));
@@ -504,6 +504,7 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
   const Point2 origin = city.origin;
   MeshCityOptions options =
       for_prisms(in_local_frame(given, origin), city, terrain, result.warnings);
+  options.max_bytes = memory_limit(options.max_bytes);
   const double highest = highest_under(terrain, city.domain.bounds());
   if (options.own_top && city.domain_top > highest)
     options.domain_height = city.domain_top - highest;
@@ -553,6 +554,7 @@ CityMesh mesh_city(const CityModel& city, Raster terrain, const MeshCityOptions&
 std::optional<ColumnMesh> mesh_preview(const CityModel& city, const Raster& terrain,
                                        std::int64_t most_triangles, const StepHooks& hooks) {
   MeshCityOptions options;
+  options.max_bytes = memory_limit(0);
   const CitySize size = size_of(options, city, terrain);
   const auto most = static_cast<double>(most_triangles);
   while (estimate_mesh(options, size).triangles > most) {

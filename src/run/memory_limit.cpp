@@ -6,7 +6,8 @@
 #include <system_error>
 
 #include "tetropolis/core/error.h"
-#include "tetropolis/core/system_memory.h"
+
+#include "pipeline/memory.h"
 
 namespace tetropolis {
 
@@ -31,8 +32,7 @@ double parse_size(const std::string& text) {
 }
 
 double memory_limit(const Config& config) {
-  if (!config.max_memory.empty()) return parse_size(config.max_memory);
-  return 0.9 * usable_memory();
+  return memory_limit(config.max_memory.empty() ? 0 : parse_size(config.max_memory));
 }
 
 }  // namespace tetropolis

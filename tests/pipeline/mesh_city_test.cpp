@@ -67,7 +67,8 @@ TEST(MeshCity, RefusesOptionsOutOfRange) {
       {"min_gap_share 1", [](auto& options) { options.min_gap_share = 1; }},
       {"solver_tolerance 0", [](auto& options) { options.solver_tolerance = 0; }},
       {"solver_iterations 0", [](auto& options) { options.solver_iterations = 0; }},
-      {"max_memory nan", [](auto& options) { options.max_bytes = kNaN; }}};
+      {"max_memory nan", [](auto& options) { options.max_bytes = kNaN; }},
+      {"max_memory -1", [](auto& options) { options.max_bytes = -1; }}};
   for (const auto& [words, edit] : edits) {
     MeshCityOptions options;
     edit(options);

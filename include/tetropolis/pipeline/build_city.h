@@ -53,6 +53,11 @@ struct CitySources {
 /// What becomes of footprints in which the points measure ground and no roof.
 enum class MeasuredGround { kDrop, kKeep };
 
+/// Messages call options as settings are called (docs/settings.md), of which these have other
+/// names: `wind_from` (domain), `ground_filter_window` and `ground_filter_slope` (filter),
+/// `dtm_step` (dtm), `ground_margin` and `outlier_sigma` (extract), `ground_percentile`,
+/// `roof_percentile` and `min_building_height` (heights), `min_building_distance`, `merge_growths`
+/// and `min_building_area` (simplify), `max_memory` (max_bytes).
 struct BuildCityOptions {
   /// The domain, CRS coordinates. None: the box of the footprints within that of the points, grown
   /// by `domain_margin` as far as there are points; without footprints the box of the points. With
@@ -77,8 +82,8 @@ struct BuildCityOptions {
   SimplifyOptions simplify =
       {};               ///< min_distance, min_area and parallel_tolerance hold for 1.4, too.
   Lod lod = Lod::k2_2;  ///< Of roofs; RoofOptions follow from it and the options above.
-  bool canopy_heights = false;                                 ///< Whether they are measured.
-  double max_bytes = std::numeric_limits<double>::infinity();  ///< Memory of the process.
+  bool canopy_heights = false;  ///< Whether they are measured.
+  double max_bytes = 0;         ///< Memory of the process, >= 0; 0: nine tenths of usable_memory().
 };
 
 /// What went in.

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,6 +32,10 @@ enum class Top { kFlat, kFree };
 /// Tets, or prisms over every triangle.
 enum class Cells { kTets, kPrisms };
 
+/// Messages call options as settings are called (docs/settings.md), of which these have other
+/// names: `refine` (grading.regions), `size_growth` (grading.growth), `surface_layers` (surfaces),
+/// `min_building_distance` (surface_clearance), `min_angle` (min_angle_deg), `boundary_layers`,
+/// `first_layer` and `layer_growth` (boundary_layers), `cut_slope`, `max_memory` (max_bytes).
 struct MeshCityOptions {
   double mesh_size = 10;  ///< Longest edge of the ground mesh in buildings, at walls and, without
                           ///< a grading, everywhere; metres, > 0, at most 10,000.
@@ -60,7 +63,7 @@ struct MeshCityOptions {
                                 ///< the even spacing; in (0, 1).
   double solver_tolerance = 1e-3;  ///< Of them: by how much the error has to fall, > 0.
   int solver_iterations = 1000;    ///< At most, > 0.
-  double max_bytes = std::numeric_limits<double>::infinity();  ///< Memory of the process.
+  double max_bytes = 0;  ///< Memory of the process, >= 0; 0: nine tenths of usable_memory().
 };
 
 /// Whether nodes are placed by Laplace problems: in graded columns under a flat top there are none.
