@@ -2,7 +2,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -129,6 +131,21 @@ void warn_of_place(const std::string& crs, const Bounds2& domain, std::vector<Wa
                                   crs_name(crs), position_text(*place))});
 }
 
+/// Throws Error(kInput) unless each feature has an id of its own.
+void require_ids(const FootprintsInput& footprints) {
+  std::set<std::string_view> ids;
+  const auto require = [&](const auto& features) {
+    for (const auto& feature : features)
+      if (feature.source_id.empty() || !ids.insert(feature.source_id).second)
+        throw Error(ErrorKind::kInput,
+                    fmt::format("{}: {} footprint has the source_id '{}'; give each one of its own",
+                                footprints.source, feature.source_id.empty() ? "a" : "a second",
+                                feature.source_id));
+  };
+  require(footprints.features);
+  require(footprints.dropped);
+}
+
 /// Counts and box, where a caller that has made the cloud of arrays gives none.
 void complete(PointsInput& points) {
   const PointCloud& cloud = points.points;
@@ -206,7 +223,13 @@ CityInput place_input(CitySources sources, const BuildCityOptions& options,
   if (sources.terrain) require_raster(sources.terrain->raster, sources.terrain->source);
   const bool has_points = points.points.size() > 0;
   if (!has_points && !sources.terrain)
-    throw Error(ErrorKind::kInput, points.source + ": the point cloud has no points");
+    throw Error(ErrorKind::kInput, points.files.empty()
+                                       ? "no points and no terrain; give one"
+                                       : points.source + ": the point cloud has no points");
+  require_ids(footprints);
+  if (footprints.bounds.empty())
+    for (const Footprint& feature : footprints.features)
+      footprints.bounds.extend(bounds(feature.polygon));
   if (has_points)
     complete(points);
   else

@@ -27,8 +27,6 @@ CitySources houses() {
     sources.footprints.features.push_back(house);
   }
   sources.terrain = TerrainInput{.raster = {1, 1, 0, 0, 1, {3}}, .origin = {}, .crs = {}};
-  for (const Footprint& house : sources.footprints.features)
-    sources.footprints.bounds.extend(bounds(house.polygon));
   return sources;
 }
 
@@ -50,6 +48,27 @@ TEST(BuildCity, ARingWithoutVerticesIsDropped) {
   ASSERT_EQ(built.city.dropped.size(), 1U);
   EXPECT_EQ(built.city.dropped[0].source_id, "40");
   EXPECT_EQ(built.city.dropped[0].cause, DropCause::kUnusable);
+}
+
+std::string refusal_of(CitySources sources) {
+  return testing::error_of([&] { build_city(std::move(sources)); }, ErrorKind::kInput);
+}
+
+TEST(BuildCity, RefusesIdsThatDoNotTellFeaturesApart) {
+  CitySources sources = houses();
+  sources.footprints.features[1].source_id = "40";
+  EXPECT_EQ(refusal_of(std::move(sources)),
+            "footprints: a second footprint has the source_id '40'; give each one of its own");
+  sources = houses();
+  sources.footprints.features[1].source_id = "";
+  EXPECT_EQ(refusal_of(std::move(sources)),
+            "footprints: a footprint has the source_id ''; give each one of its own");
+}
+
+TEST(BuildCity, RefusesNeitherPointsNorTerrain) {
+  CitySources sources = houses();
+  sources.terrain.reset();
+  EXPECT_EQ(refusal_of(std::move(sources)), "no points and no terrain; give one");
 }
 
 }  // namespace

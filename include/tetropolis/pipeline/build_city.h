@@ -169,7 +169,9 @@ std::string account_in_words(const CityFacts& facts, const BuildCityOptions& opt
 ///
 /// `points`: as read_points returns them, or made of arrays: `points` and `origin` are needed, and
 /// `extent` (the box of the points); `files` names ranges of the cloud that were classified apart.
-/// `footprints`: as read_footprints returns them, CRS coordinates. Where both state a reference
+/// `footprints`: as read_footprints returns them, CRS coordinates, or made of polygons:
+/// `features` are needed, of each its `source_id` and `polygon`, and `height` where there are no
+/// points. Where both state a reference
 /// system it has to be the same one (ReadFootprintsOptions::target_crs); the city's is that of the
 /// points, else that of the footprints. The local frame has its zero at `points.origin`, or, where
 /// that is far from the points, at their south-western corner.
@@ -178,11 +180,11 @@ std::string account_in_words(const CityFacts& facts, const BuildCityOptions& opt
 /// the footprints of `city` keep options.simplify.min_distance from each other and the domain's
 /// boundary; the same bytes for any number of threads.
 ///
-/// Throws Error(kInput), naming `points.source` or `footprints.source`: no points, degrees, units
-/// other than metres, no overlap, no ground, no usable footprint (unless terrain_only); a terrain
-/// that is none, or has values that are no elevations (NaN, -9999).
-/// Error(kUsage): the points need more than max_bytes. Error(kGuarantee): an account that does not
-/// add up. Cancelled.
+/// Throws Error(kInput), naming `points.source` or `footprints.source`: no points, an id that is
+/// empty or used twice, degrees, units other than metres, no overlap, no ground, no usable
+/// footprint (unless terrain_only); a terrain that is none, or has values that are no elevations
+/// (NaN, -9999). Error(kUsage): the points need more than max_bytes. Error(kGuarantee): an account
+/// that does not add up. Cancelled.
 BuiltCity build_city(PointsInput points, FootprintsInput footprints,
                      const BuildCityOptions& options = {}, const StepHooks& hooks = {});
 
