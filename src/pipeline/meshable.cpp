@@ -24,6 +24,10 @@ namespace tetropolis {
 
 namespace {
 
+constexpr auto kMeshWhatIsMade =
+    "mesh the city.city.json that 'tetropolis city' makes, or, in a program, the city that "
+    "build_city makes of read_footprints";
+
 std::string name_of(const Building& building) {
   return fmt::format("building {} (feature {})", building.id,
                      building.source_ids.empty() ? "?" : building.source_ids.front());
@@ -125,11 +129,8 @@ double require_meshable(const CityModel& city, double min_distance, const std::s
   std::vector<Polygon> footprints;
   for (const Building& building : city.buildings) footprints.push_back(building.footprint);
   const auto fail = [&](const std::string& what) {
-    throw Error(
-        ErrorKind::kInput,
-        fmt::format("{}: {}; mesh the city.city.json that 'tetropolis city' makes, or lower "
-                    "min_building_distance",
-                    source, what));
+    throw Error(ErrorKind::kInput, fmt::format("{}: {}; {}, or lower min_building_distance", source,
+                                               what, kMeshWhatIsMade));
   };
   for (const Building& building : city.buildings)
     if (const std::string reason = reason_to_leave_out(building, city.domain, min_distance);
@@ -139,8 +140,8 @@ double require_meshable(const CityModel& city, double min_distance, const std::s
   if (!defects.empty()) {
     const auto first = static_cast<std::size_t>(std::max(defects.front().first.polygon, 0));
     throw Error(ErrorKind::kInput,
-                fmt::format("{}: {}: {}; mesh the city.city.json that 'tetropolis city' makes",
-                            source, name_of(city.buildings[first]), defects.front().message));
+                fmt::format("{}: {}: {}; {}", source, name_of(city.buildings[first]),
+                            defects.front().message, kMeshWhatIsMade));
   }
   for (const Building& building : city.buildings)
     if (const std::string fault = fault_of_parts(building, min_distance); !fault.empty())
