@@ -29,7 +29,7 @@ struct LinePiece {
 
 /// An area with a longest edge of its own.
 struct SizeRegion {
-  Polygon area;
+  Polygon area;     ///< Of mesh_ground: local frame. Of mesh_city: CRS coordinates.
   double size = 0;  ///< Metres, > 0.
 };
 

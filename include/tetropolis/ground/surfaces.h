@@ -23,7 +23,7 @@ constexpr std::string_view name_of(SurfaceKind kind) {
 
 struct SurfaceArea {
   SurfaceKind kind = SurfaceKind::kWater;
-  Polygon area;  ///< Any polygon.
+  Polygon area;  ///< Any polygon. Of mesh_city: CRS coordinates.
 };
 
 /// A straight piece of the line between two areas, of a building's outline or of a side of the

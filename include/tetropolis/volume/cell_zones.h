@@ -19,7 +19,7 @@ inline constexpr double kLeafAreaDensity = 0.5;
 
 /// Trees that stand close, or one.
 struct Canopy {
-  Polygon area;                                 ///< Any polygon.
+  Polygon area;  ///< Any polygon. Of zone_cells: the mesh's frame. Of mesh_city: CRS coordinates.
   double height = 0;                            ///< Of its top above the ground, metres.
   double base = 0;                              ///< Of the lowest leaves, the same.
   double leaf_area_density = kLeafAreaDensity;  ///< [1/m]
