@@ -53,8 +53,9 @@ void write_mesh(const Config& config, const CityMesh& mesh, std::span<const Buil
   const double share = 1.0 / static_cast<double>(std::max<std::size_t>(wanted.size(), 1));
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     const double begin = static_cast<double>(i) * share;
-    volume.write(wanted[i], result_of(wanted[i], volume, out),
-                 portion(progress, begin, begin + share));
+    // One of kVolumes, which it knows.
+    static_cast<void>(volume.write(wanted[i], result_of(wanted[i], volume, out),
+                                   portion(progress, begin, begin + share)));
   }
   write_surface("vtp", out.result("boundary.vtp"), mesh.boundary, buildings, options);
   const SurfaceMesh surface = city_surface(mesh.boundary);

@@ -9,6 +9,16 @@
 
 namespace tetropolis {
 
+namespace {
+
+[[noreturn]] void throw_not_sorted() {
+  throw Error(
+      ErrorKind::kUsage,
+      "the faces of the boundary are not in the order of their patches; call sort_by_patch");
+}
+
+}  // namespace
+
 std::vector<PatchFaces> faces_of_patches(const SurfaceMesh& surface) {
   std::vector<PatchFaces> ranges;
   std::size_t faces = 0;
@@ -18,9 +28,7 @@ std::vector<PatchFaces> faces_of_patches(const SurfaceMesh& surface) {
     PatchFaces& range = ranges.back();
     const bool is_quad = std::binary_search(surface.quads.begin(), surface.quads.end(),
                                             static_cast<std::int32_t>(t));
-    if (!is_quad && range.quads > 0)
-      throw Error(ErrorKind::kGuarantee,
-                  "the surface has triangles behind the quadrilaterals of a patch");
+    if (!is_quad && range.quads > 0) throw_not_sorted();
     ++(is_quad ? range.quads : range.triangles);
     t += is_quad ? 2 : 1;
   }
@@ -67,6 +75,7 @@ void require_boundary_of(const ColumnMesh& mesh, const SurfaceMesh& surface) {
   }
   if (!matches)
     throw Error(ErrorKind::kGuarantee, "the surface is not the boundary of the volume mesh");
+  if (!std::is_sorted(surface.patch.begin(), surface.patch.end())) throw_not_sorted();
 }
 
 }  // namespace tetropolis

@@ -123,8 +123,8 @@ struct PatchFaces {
   std::size_t faces() const { return triangles + quads; }
 };
 
-/// Of the patches with faces, in their order. Throws Error(kGuarantee) where quadrilaterals are not
-/// the last of their patch.
+/// Of the patches with faces, in their order. Throws Error(kUsage) where quadrilaterals are not the
+/// last of their patch.
 std::vector<PatchFaces> faces_of_patches(const SurfaceMesh& surface);
 
 /// Calls visit(nodes) for the faces [begin, end) of those of a patch: arrays of 3 or 4.
@@ -155,7 +155,7 @@ inline std::size_t count_faces(const SurfaceMesh& surface) {
 }
 
 /// Throws Error(kGuarantee) unless `surface` has node and cell numbers of `mesh`, and at each point
-/// of the surface is the node it names.
+/// of the surface is the node it names. Error(kUsage) unless patches ascend.
 void require_boundary_of(const ColumnMesh& mesh, const SurfaceMesh& surface);
 
 }  // namespace tetropolis

@@ -295,6 +295,34 @@ SurfaceMesh city_surface(const SurfaceMesh& boundary) {
   return surface;
 }
 
+void sort_by_patch(SurfaceMesh& surface) {
+  std::vector<std::uint8_t> half(surface.triangles.size(), 0);  // of a quadrilateral: 1, 2
+  for (const std::int32_t q : surface.quads) {
+    const auto f = static_cast<std::size_t>(q);
+    half[f] = 1;
+    half[f + 1] = 2;
+  }
+  const auto key = [&](std::size_t f) { return std::pair(surface.patch[f], half[f] > 0); };
+  std::vector<std::size_t> order(surface.triangles.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+  const auto sort = [&](auto& values) {
+    if (values.empty()) return;
+    auto sorted = values;
+    for (std::size_t f = 0; f < order.size(); ++f) sorted[f] = values[order[f]];
+    values = std::move(sorted);
+  };
+  sort(surface.triangles);
+  sort(surface.patch);
+  sort(surface.building);
+  sort(surface.cell);
+  sort(half);
+  surface.quads.clear();
+  for (std::size_t f = 0; f < half.size(); ++f)
+    if (half[f] == 1) surface.quads.push_back(static_cast<std::int32_t>(f));
+}
+
 std::vector<PatchCount> count_by_patch(const SurfaceMesh& surface) {
   std::vector<PatchCount> counts;
   for (const PatchInfo& info : surface.patches) counts.push_back({info.name, 0});

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,27 +41,7 @@ SurfaceMesh divide_by_building(const SurfaceMesh& boundary, std::span<const Buil
     for_each_face(
         [&](std::size_t f, std::int32_t own) { result.patch[f] = static_cast<Patch>(own); });
   }
-  std::vector<std::size_t> order(result.patch.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return result.patch[a] < result.patch[b]; });
-  const auto sort = [&](auto& values) {
-    if (values.empty()) return;
-    auto sorted = values;
-    for (std::size_t f = 0; f < order.size(); ++f) sorted[f] = values[order[f]];
-    values = std::move(sorted);
-  };
-  sort(result.triangles);
-  sort(result.patch);
-  sort(result.building);
-  sort(result.cell);
-  // The halves of a quadrilateral have one patch, so they stay together.
-  std::vector<std::uint8_t> is_first_half(order.size(), 0);
-  for (const std::int32_t f : boundary.quads) is_first_half[static_cast<std::size_t>(f)] = 1;
-  sort(is_first_half);
-  result.quads.clear();
-  for (std::size_t f = 0; f < is_first_half.size(); ++f)
-    if (is_first_half[f] != 0) result.quads.push_back(static_cast<std::int32_t>(f));
+  sort_by_patch(result);
   return result;
 }
 

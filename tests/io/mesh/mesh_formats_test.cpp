@@ -75,6 +75,26 @@ TEST(MeshFormats, OfOtherNamesWriteNothing) {
   EXPECT_EQ(boundary_beside("a/city.xdmf"), "a/city_boundary.xdmf");
 }
 
+TEST(MeshFormats, RefuseOwnPatchesThatAreNotSorted) {
+  const auto& city = testing::formats_city();
+  const CellZones no_zones;
+  SurfaceMesh own = city.boundary;
+  const Patch yard{100};
+  own.patches.add({yard, "yard", PatchKind::kGround});
+  own.patch.front() = yard;
+  const testing::TemporaryFolder folder;
+  const VolumeFiles files(city.city.mesh, own, no_zones, {}, {city.placement});
+  for (const char* format : {"xdmf", "msh", "msh2", "cgns", "fluent", "su2", "openfoam"}) {
+    const auto write = [&] { EXPECT_TRUE(files.write(format, folder / format)); };
+    EXPECT_NE(testing::error_of(write, ErrorKind::kUsage).find("call sort_by_patch"),
+              std::string::npos)
+        << format;
+  }
+  sort_by_patch(own);
+  for (const char* format : {"xdmf", "msh", "msh2", "cgns", "fluent", "su2", "openfoam"})
+    EXPECT_TRUE(files.write(format, folder / format));
+}
+
 TEST(MeshFormats, SameBytesWhateverTheThreads) {
   std::map<std::string, std::string> first;
   for (const int threads : {1, 4}) {

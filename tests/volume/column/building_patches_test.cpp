@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -71,6 +72,37 @@ TEST(BuildingPatches, KeepTheHalvesOfQuadrilateralsTogether) {
   };
   EXPECT_GT(whole.quads.size(), 0U);
   EXPECT_EQ(quads_of(divided), quads_of(whole));
+}
+
+TEST(SortByPatch, BringsOwnPatchesIntoTheOrderOfFiles) {
+  const testing::SmallCity city = testing::small_city(testing::hills);
+  SurfaceMesh own = extract_boundary(testing::prism_city(city, 10, {3, 0.5, 1.2}).mesh);
+  const SurfaceMesh before = own;
+  // Two sides become one patch: quadrilaterals of it stand among triangles.
+  const Patch inlet{9};
+  own.patches.add({inlet, "inlet", PatchKind::kSide});
+  for (std::size_t f = 0; f < own.triangles.size(); ++f)
+    if (own.patch[f] == Patch::kXMin || own.patch[f] == Patch::kYMax) own.patch[f] = inlet;
+  const std::vector<Patch> given = own.patch;
+  sort_by_patch(own);
+
+  std::map<std::array<std::int32_t, 3>, std::tuple<Patch, BuildingIndex, CellIndex>> faces;
+  for (std::size_t f = 0; f < own.triangles.size(); ++f)
+    faces[own.triangles[f]] = {own.patch[f], own.building[f], own.cell[f]};
+  ASSERT_EQ(own.triangles.size(), before.triangles.size());
+  for (std::size_t f = 0; f < before.triangles.size(); ++f)
+    EXPECT_EQ(faces.at(before.triangles[f]),
+              std::tuple(given[f], before.building[f], before.cell[f]));
+  ASSERT_EQ(own.quads.size(), before.quads.size());
+  std::vector<bool> is_half(own.triangles.size(), false);
+  for (const std::int32_t q : own.quads) {
+    const auto f = static_cast<std::size_t>(q);
+    is_half[f] = is_half[f + 1] = true;
+    EXPECT_EQ(own.triangles[f][2], own.triangles[f + 1][1]);
+  }
+  for (std::size_t f = 1; f < own.triangles.size(); ++f)
+    EXPECT_LE(std::pair(own.patch[f - 1], static_cast<int>(is_half[f - 1])),
+              std::pair(own.patch[f], static_cast<int>(is_half[f])));
 }
 
 TEST(BuildingPatches, HaveNamesThatEveryFormatTakes) {

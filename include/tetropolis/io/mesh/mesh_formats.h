@@ -29,15 +29,17 @@ struct MeshFileOptions {
 /// Writes a volume mesh in several formats. What the constructor takes has to outlive it.
 class VolumeFiles {
  public:
-  /// `boundary`: extract_boundary of `mesh`; `buildings`: of its city model.
+  /// `boundary`: extract_boundary of `mesh`, with patches of one's own after sort_by_patch;
+  /// `buildings`: of its city model.
   VolumeFiles(const ColumnMesh& mesh, const SurfaceMesh& boundary, const CellZones& zones,
               std::span<const Building> buildings, const MeshFileOptions& options);
 
   /// "vtu", "xdmf", "msh", "msh2", "vtkhdf", "cgns", "fluent", "su2" or "openfoam", whose path is
   /// the folder polyMesh. "xdmf" writes the boundary, too (boundary_beside). Returns whether
-  /// `format` is one of these; nothing is written for another one. Errors: those of the writers.
-  bool write(std::string_view format, const std::filesystem::path& path,
-             const Progress& progress = {}) const;
+  /// `format` is one of these; nothing is written for another one. Errors: those of the writers, of
+  /// all that write patches kUsage where faces are not in the order of sort_by_patch.
+  [[nodiscard]] bool write(std::string_view format, const std::filesystem::path& path,
+                           const Progress& progress = {}) const;
 
   /// Of formats that know zones by their names alone.
   const CellZones& named_zones() const {

@@ -19,7 +19,8 @@ struct SurfaceMesh {
   std::vector<std::array<std::int32_t, 3>> triangles;  ///< Of a boundary: counter-clockwise seen
                                                        ///< from outside the meshed volume, normals
                                                        ///< leave the air.
-  std::vector<Patch> patch;             ///< Per triangle; ascending, so patches are consecutive.
+  std::vector<Patch> patch;             ///< Per triangle; ascending, so patches are consecutive
+                                        ///< (sort_by_patch).
   PatchTable patches;                   ///< All that `patch` may have.
   std::vector<BuildingIndex> building;  ///< Per triangle: for roofs and walls the building, else
                                         ///< kNoBuilding.
@@ -38,6 +39,12 @@ struct SurfaceMesh {
 /// Error(kGuarantee) naming the edge if one on the rim of the ground mesh is not tagged with a side
 /// of the domain.
 SurfaceMesh extract_boundary(const ColumnMesh& mesh);
+
+/// Brings faces into the order that files of volume meshes need, after patches of some have been
+/// changed: by patch, and in it triangles before quadrilaterals; else they keep their order, and
+/// points stay. Preconditions: `surface.patches` has all patches; the halves of a quadrilateral
+/// have the same.
+void sort_by_patch(SurfaceMesh& surface);
 
 /// The 3 or 4 points of a face, in order.
 struct FaceCorners {
