@@ -328,8 +328,8 @@ Surfaces surfaces_of(const MeshCityOptions& options, const CityModel& city, Step
 
 void add_upper(const MeshCityOptions& options, Columns& columns, StepClock& clock) {
   if (!ends_at_lid(options)) return;
-  columns.mesh.upper = clock.run("3.5", "upper part", [&](const Progress&) {
-    return grow_upper(columns.mesh, columns.plan.layers.top);
+  columns.mesh.upper = clock.run("3.5", "upper part", [&](const Progress& progress) {
+    return grow_upper(columns.mesh, columns.plan.layers.top, progress);
   });
 }
 

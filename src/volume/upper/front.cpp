@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "tetropolis/core/error.h"
 #include "tetropolis/geometry/polygon.h"
 
 #include "climber.h"
@@ -144,8 +145,12 @@ FrontRecord::FrontRecord(const FrontPhases& phases, std::span<const std::uint8_t
   });
 }
 
-FrontClimb::FrontClimb(const ColumnMesh& mesh, double top, std::size_t tiles)
-    : mesh_(mesh), tiles_(tiles), front_(std::make_unique<Front>()) {
+FrontClimb::FrontClimb(const ColumnMesh& mesh, double top, std::size_t tiles,
+                       std::function<bool()> cancelled)
+    : mesh_(mesh),
+      tiles_(tiles),
+      front_(std::make_unique<Front>()),
+      cancelled_(std::move(cancelled)) {
   front_->top = top;
   front_->columns.resize(mesh.vertex_count());
   front_->turns.resize(mesh.vertex_count());
@@ -154,6 +159,12 @@ FrontClimb::FrontClimb(const ColumnMesh& mesh, double top, std::size_t tiles)
 }
 
 FrontClimb::~FrontClimb() = default;
+
+void FrontClimb::poll() {
+  if (!cancelled_) return;
+  const std::lock_guard lock(polling_);
+  if (cancelled_()) throw Cancelled();
+}
 
 void FrontClimb::start(std::span<const VertexIndex> columns, std::span<const double> shares) {
   parallel_chunks(columns.size(), 4096, [&](std::size_t begin, std::size_t end) {
@@ -194,6 +205,7 @@ FrontPhases FrontClimb::to_top(std::span<const double> shares) {
     std::vector<FrontSteps>& steps = phases.emplace_back(count);
     ++phase_;
     parallel_in_order(count, [&](std::size_t i) {
+      poll();
       Climber climber(*front_, shares, steps[i]);
       for (const VertexIndex v : columns[i]) climber.climb(v, phase_);
       steps[i].shrink();
@@ -216,6 +228,7 @@ std::optional<StepsWithin> FrontClimb::within(std::span<const VertexIndex> colum
                                               std::span<const VertexIndex> others,
                                               const FrontRecord& record,
                                               std::span<const double> shares) {
+  poll();
   for (const VertexIndex v : others) {
     start_column(mesh_, v, *front_);
     front_->around[v].clear();

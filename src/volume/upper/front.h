@@ -11,7 +11,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <vector>
@@ -120,8 +122,9 @@ struct Front;
 class FrontClimb {
  public:
   /// `tiles`: along the longer side of the ground, >= 1; each column's steps are the same for any
-  /// number. The mesh is to outlive this.
-  FrontClimb(const ColumnMesh& mesh, double top, std::size_t tiles);
+  /// number. The mesh is to outlive this. `cancelled`: as of Progress, polled by tile or call.
+  FrontClimb(const ColumnMesh& mesh, double top, std::size_t tiles,
+             std::function<bool()> cancelled = {});
   FrontClimb(const FrontClimb&) = delete;
   FrontClimb& operator=(const FrontClimb&) = delete;
   ~FrontClimb();
@@ -136,10 +139,14 @@ class FrontClimb {
 
  private:
   void start(std::span<const VertexIndex> columns, std::span<const double> shares);
+  /// Throws Cancelled. From any thread.
+  void poll();
 
   const ColumnMesh& mesh_;
   std::size_t tiles_;
   std::unique_ptr<Front> front_;
+  std::function<bool()> cancelled_;
+  std::mutex polling_;
   std::int32_t phase_ = 0;
 };
 

@@ -108,11 +108,12 @@ UpperMesh upper_of(FrontPhases phases, const ColumnMesh& mesh) {
   return upper;
 }
 
-UpperMesh grow_upper(const ColumnMesh& mesh, double top, std::size_t tiles) {
+UpperMesh grow_upper(const ColumnMesh& mesh, double top, const Progress& progress,
+                     std::size_t tiles) {
   if (tiles == 0) tiles = useful_tiles(mesh);
   FrontPhases phases;
   {
-    FrontClimb climb(mesh, top, tiles);
+    FrontClimb climb(mesh, top, tiles, progress.cancelled);
     const std::vector<double> shares(mesh.vertex_count(), 1.0);
     phases = climb.to_top(shares);
     mend_front(mesh, top, climb, phases);

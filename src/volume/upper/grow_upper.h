@@ -3,6 +3,7 @@
 
 #include <cstddef>
 
+#include "tetropolis/core/progress.h"
 #include "tetropolis/volume/column/column_mesh.h"
 
 #include "front.h"
@@ -22,7 +23,9 @@ namespace tetropolis {
 /// N, and while it runs 15 bytes per cell besides the result; the same bits on every machine, for
 /// any number of threads and of tiles that these are given (front.h; 0: as are useful).
 /// Precondition: `mesh` is valid and has no upper part; its columns end below `top` or at it.
-UpperMesh grow_upper(const ColumnMesh& mesh, double top, std::size_t tiles = 0);
+/// Throws Cancelled.
+UpperMesh grow_upper(const ColumnMesh& mesh, double top, const Progress& progress = {},
+                     std::size_t tiles = 0);
 
 /// What columns have done, as a mesh over that of these.
 UpperMesh upper_of(FrontPhases phases, const ColumnMesh& mesh);

@@ -136,6 +136,22 @@ TEST(GrowUpper, ConformsAndFillsTheDomain) {
     }
 }
 
+TEST(GrowUpper, EndsWhenItIsCancelled) {
+  testing::MeshedCity city = grown(testing::hills, 6);
+  city.mesh.upper = {};
+  const auto grow = [&](int after) {
+    int polls = 0;
+    const Progress progress{{}, [&] { return ++polls > after; }};
+    grow_upper(city.mesh, city.plan.layers.top, progress, 3);
+    return polls;
+  };
+  constexpr int kNever = 1'000'000;
+  const int polls = grow(kNever);
+  EXPECT_GT(polls, 3);
+  for (const int after : {0, 1, polls / 2, polls - 1})
+    EXPECT_THROW(grow(after), Cancelled) << after;
+}
+
 TEST(GrowUpper, QualityIsThatOfAllCellsAndFaces) {
   const testing::MeshedCity city = grown(testing::hills, 6);
   const ColumnMesh& mesh = city.mesh;
@@ -225,7 +241,7 @@ TEST(GrowUpper, IsTheSameForAnyNumberOfTiles) {
     const UpperMesh one = std::exchange(mesh.upper, {});
     const double top = *std::max_element(one.z.begin(), one.z.end());
     for (const std::size_t tiles : {1, 2, 3, 7}) {
-      const UpperMesh several = grow_upper(mesh, top, tiles);
+      const UpperMesh several = grow_upper(mesh, top, {}, tiles);
       EXPECT_EQ(several.z, one.z);
       EXPECT_EQ(several.vertex, one.vertex);
       ASSERT_EQ(several.cells(), one.cells());
