@@ -143,7 +143,7 @@ void write_faces(AtomicFile& file, const ColumnMesh& mesh, const CellFaces& cell
                  const Sizes& sizes, const Progress& progress) {
   file.write(header("binary", "faceCompactList", "faces", ""));
   std::vector<std::size_t> quads{0};  // among the faces between prisms before each
-  for (const PrismFace& face : cells.between_prisms)
+  for (const CellFace& face : cells.between_prisms)
     quads.push_back(quads.back() + face.corners - 3);
   begin_list(file, sizes.faces() + 1);
   const SurfaceFaces outer(surface);
@@ -260,7 +260,7 @@ Sizes count_faces(const std::filesystem::path& folder, const ColumnMesh& mesh,
   const std::int64_t cells = list.cells.back().value() + mesh.layers.cells();
   Sizes sizes{(4 * tets + 5 * prisms - boundary) / 2, boundary, list.between_prisms.size(), 0};
   sizes.corners = 3 * sizes.faces() + surface.quads.size();
-  for (const PrismFace& face : list.between_prisms) sizes.corners += face.corners - 3;
+  for (const CellFace& face : list.between_prisms) sizes.corners += face.corners - 3;
   if (sizes.corners > static_cast<std::size_t>(std::numeric_limits<Label>::max()))
     throw Error(ErrorKind::kInput,
                 fmt::format("{}: {} cells are too many for OpenFOAM's 32-bit labels; use a larger "

@@ -9,10 +9,10 @@
 #include "tetropolis/core/progress.h"
 #include "tetropolis/volume/column/column_mesh.h"
 
-#include "internal_faces.h"
 #include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
-#include "prism_faces.h"
+#include "volume/column/internal_faces.h"
+#include "volume/column/prism_faces.h"
 #include "volume/column/upper_faces.h"
 
 namespace tetropolis {
@@ -26,14 +26,14 @@ struct CellFaces {
   }
   std::vector<CellIndex> cells;  ///< cell_offsets().
   std::vector<UpperFace> in_upper;
-  std::vector<PrismFace> between_prisms;
+  std::vector<CellFace> between_prisms;
 };
 
 inline std::size_t corners_of(const InternalFace& face) { return face.nodes.size(); }
-inline std::size_t corners_of(const PrismFace& face) { return face.corners; }
+inline std::size_t corners_of(const CellFace& face) { return face.corners; }
 
 /// Appends what append(face, buffer) does for the faces between two cells in upper-triangular
-/// order, about `bytes` in all. A face is an InternalFace or a PrismFace.
+/// order, about `bytes` in all. A face is an InternalFace or a CellFace.
 template <typename Append>
 void write_internal_faces(AtomicFile& file, const ColumnMesh& mesh, const CellFaces& faces,
                           std::uint64_t bytes, const Append& append, const Progress& progress) {

@@ -3,6 +3,9 @@
 #include <algorithm>
 
 #include "core/parallel.h"
+#include "internal_faces.h"
+#include "prism_faces.h"
+#include "upper_faces.h"
 
 namespace tetropolis {
 
@@ -55,6 +58,25 @@ void fill_wedges(const ColumnMesh& mesh, std::span<std::array<NodeIndex, 6>> wed
   parallel_chunks(wedges.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) wedges[i] = wedge(mesh, static_cast<std::int64_t>(i));
   });
+}
+
+std::vector<CellFace> internal_faces(const ColumnMesh& mesh) {
+  std::vector<CellFace> faces;
+  const auto add = [&](CellIndex owner, CellIndex neighbour, const std::array<NodeIndex, 3>& n) {
+    faces.push_back({owner, neighbour, {n[0], n[1], n[2], {}}});
+  };
+  const std::vector<CellIndex> cells = cell_offsets(mesh);
+  InternalFaces in_columns(mesh, cells);
+  for (const TriangleIndex t : mesh.ground.triangles.indices())
+    for (const InternalFace& face : in_columns.owned_over(t))
+      add(face.owner, face.neighbour, face.nodes);
+  const CellIndex first = cells[mesh.triangle_count()];
+  if (!mesh.upper.empty())
+    for (const UpperFace& face : upper_faces(mesh))
+      add(first + face.cell, first + face.neighbour, upper_nodes(mesh, face.places));
+  const std::vector<CellFace> between_prisms = prism_faces(mesh, cells.back());
+  faces.insert(faces.end(), between_prisms.begin(), between_prisms.end());
+  return faces;
 }
 
 }  // namespace tetropolis

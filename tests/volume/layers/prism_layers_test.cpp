@@ -16,13 +16,10 @@
 #include "tetropolis/volume/column/explicit_mesh.h"
 #include "tetropolis/volume/quality/prism_quality.h"
 
-#include "io/mesh/internal_faces.h"
-#include "io/mesh/prism_faces.h"
 #include "support/explicit_mesh.h"
 #include "support/prism_city.h"
 #include "volume/column/ground_heights.h"
 #include "volume/column/layers_at_walls.h"
-#include "volume/column/upper_faces.h"
 
 namespace tetropolis {
 namespace {
@@ -137,29 +134,15 @@ void expect_conforming(const ColumnMesh& mesh, const ColumnPlan& plan) {
   EXPECT_EQ(counted, static_cast<std::int64_t>(surface.size()));
 
   // As OpenFOAM wants them.
-  const std::vector<CellIndex> cells = cell_offsets(mesh);
   auto expected = inner.begin();
-  const auto expect_next = [&](CellIndex cell, CellIndex neighbour, const Nodes& nodes) {
+  for (const CellFace& face : internal_faces(mesh)) {
     ASSERT_NE(expected, inner.end());
-    EXPECT_EQ(expected->first, std::pair(cell.value(), neighbour.value()));
+    EXPECT_EQ(expected->first, std::pair(face.owner.value(), face.neighbour.value()));
+    Nodes nodes;
+    for (std::size_t i = 0; i < face.corners; ++i) nodes.push_back(face.nodes[i].value());
     EXPECT_EQ(expected->second, turned(nodes));
     ++expected;
-  };
-  const auto values = [](const auto& nodes, std::size_t count) {
-    Nodes result;
-    for (std::size_t i = 0; i < count; ++i) result.push_back(nodes[i].value());
-    return result;
-  };
-  InternalFaces below(mesh, cells);
-  for (const TriangleIndex t : mesh.ground.triangles.indices())
-    for (const InternalFace& face : below.owned_over(t))
-      expect_next(face.owner, face.neighbour, values(face.nodes, 3));
-  const CellIndex first = cells[mesh.triangle_count()];
-  for (const UpperFace& face : upper_faces(mesh))
-    expect_next(first + face.cell, first + face.neighbour,
-                values(upper_nodes(mesh, face.places), 3));
-  for (const PrismFace& face : prism_faces(mesh, cells.back()))
-    expect_next(face.owner, face.neighbour, values(face.nodes, face.corners));
+  }
   EXPECT_EQ(expected, inner.end());
 
   double expected_volume = 0;

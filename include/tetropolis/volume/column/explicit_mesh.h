@@ -1,5 +1,5 @@
-// The volume mesh as plain arrays, for callers that need them: nodes, cells and regions in the
-// order of write_vtu. A mesh is read part by part where the arrays of all would be too large.
+// The volume mesh as plain arrays, for callers that need them: nodes, cells, regions and faces in
+// the order of write_vtu. A mesh is read part by part where the arrays of all would be too large.
 #pragma once
 
 #include <array>
@@ -29,5 +29,18 @@ void fill_regions(const ColumnMesh& mesh, const std::vector<CellIndex>& offsets,
 
 /// Nodes of all prisms, as wedge() has them. Precondition: `wedges` has mesh.layers.cells().
 void fill_wedges(const ColumnMesh& mesh, std::span<std::array<NodeIndex, 6>> wedges);
+
+/// A face between two cells: its normal (right-hand rule) leaves `owner` for `neighbour`, and
+/// owner < neighbour.
+struct CellFace {
+  CellIndex owner, neighbour;      ///< Prisms count after all tets.
+  std::array<NodeIndex, 4> nodes;  ///< The first `corners` of them.
+  std::size_t corners = 3;         ///< 4 at the sides of prisms.
+};
+
+/// All faces between two cells, by owner and then by neighbour, as finite-volume programs want
+/// them. Faces of one cell only are those of extract_boundary, which names it. Time and memory
+/// linear in the cells.
+std::vector<CellFace> internal_faces(const ColumnMesh& mesh);
 
 }  // namespace tetropolis

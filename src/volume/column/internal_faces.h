@@ -9,8 +9,8 @@
 
 namespace tetropolis {
 
-/// A face between two cells: its normal (right-hand rule) leaves `owner` for `neighbour`, and
-/// owner < neighbour. Those to prisms are there, too; those between prisms are not (prism_faces.h).
+/// A CellFace of three corners. Those to prisms are there, too; those between prisms are not
+/// (prism_faces.h).
 struct InternalFace {
   CellIndex owner;
   CellIndex neighbour;

@@ -4,8 +4,8 @@
 
 namespace tetropolis {
 
-std::vector<PrismFace> prism_faces(const ColumnMesh& mesh, CellIndex first_prism) {
-  std::vector<PrismFace> faces;
+std::vector<CellFace> prism_faces(const ColumnMesh& mesh, CellIndex first_prism) {
+  std::vector<CellFace> faces;
   struct Side {
     TriangleIndex beyond;
     VertexIndex from, to;  // with the triangle on their left
