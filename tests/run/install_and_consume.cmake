@@ -1,5 +1,6 @@
 # Installs into a scratch prefix, builds the examples against it with find_package, and runs them:
-# build_and_mesh on a synthetic city, whose mesh has to pass `check`.
+# build_and_mesh on a synthetic city, whose mesh has to pass `check`. The program of docs/cpp.md has to
+# be a part of in_memory.
 set(prefix ${BINARY_DIR}/consume/prefix)
 set(city ${BINARY_DIR}/consume/city)
 file(REMOVE_RECURSE ${BINARY_DIR}/consume)
@@ -17,13 +18,22 @@ foreach(text man/man1/tetropolis.1 bash-completion/completions/tetropolis
     message(FATAL_ERROR "${text} is cut")
   endif()
 endforeach()
-foreach(example consumer build_and_mesh)
+foreach(example consumer build_and_mesh in_memory)
   set(build ${BINARY_DIR}/consume/${example})
   run(${CMAKE_COMMAND} -S ${SOURCE_DIR}/examples/${example} -B ${build} -G ${GENERATOR}
     -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_BUILD_TYPE=Release)
   run(${CMAKE_COMMAND} --build ${build})
 endforeach()
 run(${BINARY_DIR}/consume/consumer/consumer)
+run(${BINARY_DIR}/consume/in_memory/in_memory)
+file(READ ${SOURCE_DIR}/docs/cpp.md page)
+file(READ ${SOURCE_DIR}/examples/in_memory/main.cpp program)
+string(REGEX REPLACE ".*```cpp\n" "" snippet "${page}")
+string(REGEX REPLACE "```.*" "" snippet "${snippet}")
+string(FIND "${program}" "${snippet}" at)
+if(at EQUAL -1)
+  message(FATAL_ERROR "docs/cpp.md has another program than examples/in_memory")
+endif()
 run(${prefix}/bin/tetropolis --version)
 run(${prefix}/bin/tetropolis synth --kind blocks --size 300 --seed 3 --out ${city} --quiet)
 run(${BINARY_DIR}/consume/build_and_mesh/build_and_mesh
