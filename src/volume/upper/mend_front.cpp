@@ -23,9 +23,11 @@ namespace {
 
 // Found by trial, as in front.cpp.
 
-/// Segments at poor columns and beside them become shorter by this factor, so often at most.
+/// Segments at poor columns and beside them become shorter by this factor, so often at most, and
+/// down to this share: where that does not help, shorter ones are worse.
 constexpr double kShorter = 0.85;
 constexpr int kMostRounds = 8;
+constexpr double kLeastShare = 0.5;
 
 /// Columns around poor ones climb again, as far away as these are below the top times this; the
 /// second time if the first does not do.
@@ -145,6 +147,10 @@ void for_each_apart(const std::vector<Part>& parts, const FrontRecord& record, s
   }
 }
 
+void shorten(std::span<const VertexIndex> poor, std::vector<double>& shares) {
+  for (const VertexIndex v : poor) shares[v] = std::max(shares[v] * kShorter, kLeastShare);
+}
+
 /// The steps of the last round, where `poor` are poor before the first. Nothing if they would
 /// matter to columns elsewhere.
 std::optional<StepsWithin> steps_of_rounds(FrontClimb& climb, const Part& part,
@@ -155,7 +161,7 @@ std::optional<StepsWithin> steps_of_rounds(FrontClimb& climb, const Part& part,
     sort_once(poor);
     if (!std::includes(part.columns.begin(), part.columns.end(), poor.begin(), poor.end()))
       return std::nullopt;
-    for (const VertexIndex v : poor) shares[v] *= kShorter;
+    shorten(poor, shares);
     steps = climb.within(part.columns, part.others, record, shares);
     if (!steps) return std::nullopt;
     poor = steps->done.poor;
@@ -356,7 +362,7 @@ void mend_all(const ColumnMesh& mesh, FrontClimb& climb, FrontPhases& phases) {
   std::vector<VertexIndex> poor = poor_of(phases);
   for (int round = 0; round < kMostRounds && !poor.empty(); ++round) {
     sort_once(poor);
-    for (const VertexIndex v : poor) shares[v] *= kShorter;
+    shorten(poor, shares);
     phases.clear();  // Steps of one round are kept at a time.
     phases = climb.to_top(shares);
     poor = poor_of(phases);
