@@ -22,7 +22,6 @@
 #include "core/parallel.h"
 #include "core/sort_once.h"
 #include "core/units.h"
-#include "geometry/vec2.h"
 #include "ground/size_field.h"
 #include "ground/validate.h"
 #include "make_columns.h"
@@ -199,14 +198,16 @@ GroundMesh make_ground(const MeshCityOptions& options, const CityModel& city,
   facts.min_angle_deg = angle_statistics(ground.vertices, ground.triangles).min_deg;
   facts.small_input_angles = ground.small_input_angles;
   facts.triangles_below_min_angle = ground.triangles_below_min_angle;
-  facts.shortest_edge = kInfinity;
+  double shortest2 = kInfinity, longest2 = 0;
   for (const auto& corners : ground.triangles)
     for (std::size_t i = 0; i < 3; ++i) {
-      const double length =
-          distance(ground.vertices[corners[i]], ground.vertices[corners[(i + 1) % 3]]);
-      facts.shortest_edge = std::min(facts.shortest_edge, length);
-      facts.longest_edge = std::max(facts.longest_edge, length);
+      const Point2 p = ground.vertices[corners[i]], q = ground.vertices[corners[(i + 1) % 3]];
+      const double length2 = (q.x - p.x) * (q.x - p.x) + (q.y - p.y) * (q.y - p.y);
+      shortest2 = std::min(shortest2, length2);
+      longest2 = std::max(longest2, length2);
     }
+  facts.shortest_edge = std::sqrt(shortest2);
+  facts.longest_edge = std::sqrt(longest2);
   return ground;
 }
 

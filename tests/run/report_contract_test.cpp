@@ -370,7 +370,7 @@ TEST_P(ReportContract, GroundMeshIsTheOneBelowTheVolume) {
   EXPECT_EQ(ground["vertices"], columns.size());
   // Ground and roofs, which are flat, have them all.
   std::int64_t triangles = 0;
-  double least = 180;
+  double least = 180, shortest = 1e9, longest = 0;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     if (surface.patch[t] != Patch::kGround && surface.patch[t] != Patch::kRoof) continue;
     ++triangles;
@@ -379,11 +379,18 @@ TEST_P(ReportContract, GroundMeshIsTheOneBelowTheVolume) {
       p[i] = surface.points[static_cast<std::size_t>(surface.triangles[t][i])];
       p[i][2] = 0;
     }
-    for (std::size_t i = 0; i < 3; ++i)
-      least = std::min(least, degrees_between(p[(i + 1) % 3] - p[i], p[(i + 2) % 3] - p[i]));
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vector along = p[(i + 1) % 3] - p[i];
+      least = std::min(least, degrees_between(along, p[(i + 2) % 3] - p[i]));
+      const double edge = length(along);
+      shortest = std::min(shortest, edge);
+      longest = std::max(longest, edge);
+    }
   }
   EXPECT_EQ(ground["triangles"], triangles);
   EXPECT_NEAR(ground["min_angle_deg"].get<double>(), least, 1e-6);
+  EXPECT_NEAR(ground["shortest_edge"].get<double>(), shortest, 1e-9);
+  EXPECT_NEAR(ground["longest_edge"].get<double>(), longest, 1e-9);
 }
 
 TEST_P(ReportContract, VolumeMeshIsTheOneWritten) {

@@ -171,10 +171,10 @@ std::string account_in_words(const CityFacts& facts, const BuildCityOptions& opt
 /// `extent` (the box of the points); `files` names ranges of the cloud that were classified apart.
 /// `footprints`: as read_footprints returns them, CRS coordinates, or made of polygons:
 /// `features` are needed, of each its `source_id` and `polygon`, and `height` where there are no
-/// points. Where both state a reference
-/// system it has to be the same one (ReadFootprintsOptions::target_crs); the city's is that of the
-/// points, else that of the footprints. The local frame has its zero at `points.origin`, or, where
-/// that is far from the points, at their south-western corner.
+/// points. Where both state a reference system it has to be the same one
+/// (ReadFootprintsOptions::target_crs); the city's is that of the points, else that of the
+/// footprints. The local frame has its zero at `points.origin`, or, where that is far from the
+/// points, at their south-western corner.
 ///
 /// Guarantees: every footprint is in one building or in `dropped` with a reason, in either model;
 /// the footprints of `city` keep options.simplify.min_distance from each other and the domain's

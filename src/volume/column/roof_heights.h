@@ -73,10 +73,9 @@ struct ReconciledRoofs {
 
 /// The elevations that `planes` (per building part) have at the vertices, so that columns can be
 /// built on them:
-/// - two roofs at a vertex are the same or `least_step` apart; nearer ones meet halfway, as do
-/// those
-///   up to 0.75 m apart, or a metre, where triangles are too long for such a step, as at a third
-///   roof;
+/// - two roofs at a vertex are the same or `least_step` apart (as from least_roof_step); nearer
+///   ones meet halfway, as do those up to 0.75 m apart, or a metre, where triangles are too long
+///   for such a step, as at a third roof;
 /// - roofs do not cross along an edge between them: where they would, they meet at the end at which
 ///   they are nearer to each other;
 /// - around a vertex, floors rise to one place and fall from there, so that walls are a manifold:
