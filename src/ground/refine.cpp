@@ -253,13 +253,6 @@ bool Refiner::encroached(std::int32_t s) const {
 }
 
 std::int32_t Refiner::add_vertex(Point2 p, std::int32_t kind) {
-  if (!unused_vertices_.empty()) {
-    const std::int32_t v = unused_vertices_.back();
-    unused_vertices_.pop_back();
-    mesh_.point(v) = p;
-    kinds_[static_cast<std::size_t>(v)] = kind;
-    return v;
-  }
   if (static_cast<std::int64_t>(mesh_.points.size()) >= max_vertices_)
     throw Error(
         ErrorKind::kGuarantee,
@@ -304,15 +297,11 @@ bool Refiner::split(std::int32_t s) {
       if (kind(w) != kFreeVertex || (a.x - q.x) * (b.x - q.x) + (a.y - q.y) * (b.y - q.y) >= 0)
         break;
       if (!mesh_.remove_vertex(he)) break;
-      unused_vertices_.push_back(w);
     }
   }
   const std::int32_t v = add_vertex(p, mesh_.sub(s).piece);
   const bool done = mesh_.split_subsegment(s, v) != TriMesh::kNothing;
-  if (!done) {
-    unused_vertices_.push_back(v);
-    mesh_.sub(s).frozen = true;
-  }
+  if (!done) mesh_.sub(s).frozen = true;
   consider_touched();
   return done;
 }

@@ -179,10 +179,7 @@ void Refiner::cut_piece(std::int32_t s, double size) {
     const std::int32_t v = add_vertex(between(a, b, t), mesh_.sub(s).piece);
     mesh_.touched.clear();
     const std::int32_t next = mesh_.split_subsegment(rest, v);
-    if (next == TriMesh::kNothing) {
-      unused_vertices_.push_back(v);
-      return;
-    }
+    if (next == TriMesh::kNothing) return;
     rest = next;
   }
 }

@@ -177,7 +177,6 @@ class Refiner {
   std::vector<std::int32_t> kinds_;
   std::vector<double> hard_bounds_;  ///< Per hard vertex, if segments have bounds: the least.
   std::vector<double> elevations_;   ///< Per vertex, while flattening.
-  std::vector<std::int32_t> unused_vertices_;
   std::array<std::deque<BadTriangle>, kBuckets> buckets_;
   std::uint64_t filled_ = 0;  // bit b: bucket b is not empty
   std::int64_t queued_ = 0;

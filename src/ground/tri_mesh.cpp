@@ -9,7 +9,6 @@ namespace tetropolis {
 void TriMesh::start(std::int32_t a, std::int32_t b, std::int32_t c) {
   const std::int32_t v[3] = {a, b, c};
   triangles.assign(4, {});
-  free_.clear();
   tri(0) = {{a, b, c}, {4 * 1, 4 * 2, 4 * 3}, 0, 0};
   for (std::int32_t i = 0; i < 3; ++i) {
     // Ghost 1 + i lies behind edge i, which runs from v[i+1] to v[i+2].
@@ -266,8 +265,9 @@ bool TriMesh::remove_vertex(std::int32_t start_he) {
   const std::int32_t corner[3] = {origin(h[0]), origin(h[1]), origin(h[2])};
   const std::int32_t out[3] = {link(h[0]), link(h[1]), link(h[2])};
   const std::int32_t region = tri(t).region;
-  kill_triangle(h[1] >> 2);
-  kill_triangle(h[2] >> 2);
+  // Their places stay empty: whoever took them would have numbers, and so a turn, by where else
+  // vertices were removed.
+  for (const int k : {1, 2}) tri(h[k] >> 2).v[0] = kDead;
   // Rim edge k runs from corner k to corner k + 1 and is opposite to corner k + 2.
   tri(t) = {{corner[0], corner[1], corner[2]}, {out[1], out[2], out[0]}, region, 0};
   attach(out[1], 4 * t, corner[1]);
@@ -344,7 +344,6 @@ void TriMesh::renumber(const std::vector<std::int32_t>& number) {
     }
     if (s.side[0] < 0 && s.side[1] < 0) s.v[0] = kDead;
   }
-  free_.clear();
   some_triangle.clear();
   tracking = false;
 }

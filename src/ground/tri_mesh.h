@@ -180,17 +180,8 @@ class TriMesh {
   bool in_ghost(const Triangle& x, Point2 p) const;
   bool locally_delaunay(std::int32_t he) const;
   std::int32_t new_triangle() {
-    if (!free_.empty()) {
-      const std::int32_t t = free_.back();
-      free_.pop_back();
-      return t;
-    }
     triangles.emplace_back();
     return static_cast<std::int32_t>(triangles.size()) - 1;
-  }
-  void kill_triangle(std::int32_t t) {
-    tri(t).v[0] = kDead;
-    free_.push_back(t);
   }
   /// Makes whatever `link` names point back to `he`, whose origin is `from`.
   void attach(std::int32_t link, std::int32_t he, std::int32_t from) {
@@ -209,7 +200,6 @@ class TriMesh {
   std::vector<std::int32_t> stack_;
   std::vector<std::int32_t> slots_;
   std::vector<std::int32_t> pending_;
-  std::vector<std::int32_t> free_;
 };
 
 }  // namespace tetropolis
