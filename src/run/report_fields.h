@@ -275,11 +275,13 @@ void fields_of(VolumeMeshFacts& mesh, const Field& field) {
   field("cut_slope_deg", mesh.cut_slope_deg, "number, degrees",
         "gentlest slope to which terrain was excavated; `cut_slope` without any");
   field("roofs_cut_back", mesh.roofs_cut_back, "list of integers",
-        "buildings of `city.city.json`, from 0, around whose roof the terrain was excavated");
+        "buildings of `city.city.json`, from 0, with one roof, around which the terrain was "
+        "excavated");
   field("roof_cut_slopes_deg", mesh.roof_cut_slopes_deg, "list of numbers, degrees",
         "slopes to which it was, in the order of `roofs_cut_back`");
   field("feet_cut_back", mesh.feet_cut_back, "list of lists of 3 numbers, m",
-        "x, y (CRS) and z of the slope toes from which the terrain was excavated");
+        "x, y (CRS) and z of the slope toes from which the terrain was excavated, and of roofs' "
+        "edges, of buildings with several roofs");
   field("foot_cut_slopes_deg", mesh.foot_cut_slopes_deg, "list of numbers, degrees",
         "slopes to which it was, in the order of `feet_cut_back`");
   field("moved_by_guard", mesh.moved_by_guard, "integer",

@@ -126,7 +126,8 @@ struct VolumeMeshFacts {
                                        ///< without any, the option.
   std::vector<BuildingIndex> roofs_cut_back;  ///< From which it was, ascending,
   std::vector<double> roof_cut_slopes_deg;    ///< and to which slopes.
-  std::vector<Point3> feet_cut_back;          ///< Slope toes from which it was; local frame,
+  std::vector<Point3> feet_cut_back;          ///< Slope toes from which it was, and roofs' edges
+                                              ///< of buildings with several; local frame,
   std::vector<double> foot_cut_slopes_deg;    ///< and to which slopes.
   std::int64_t moved_by_guard = 0;            ///< Nodes of uniform layers that the guard moved.
   std::int64_t columns_improved = 0;          ///< Of which nodes were moved for better cells.

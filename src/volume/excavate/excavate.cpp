@@ -79,6 +79,13 @@ class Excavation {
   bool is_at_marked_roof(VertexIndex v) const {
     return building_[v] != kNoRegion && !marks_.roofs.empty() && marks_.roofs[building_[v]] != 0;
   }
+  /// Parts of a building follow each other.
+  bool has_one_roof(RegionIndex r) const {
+    const auto is_beside = [&](RegionIndex other) {
+      return mesh_.regions[other].building == mesh_.regions[r].building;
+    };
+    return !(r > 0 && is_beside(r - 1)) && !is_beside(r + 1);
+  }
   bool is_toe(VertexIndex v) const { return !marks_.toes.empty() && marks_.toes[v] < kInfinity; }
   bool lower(VertexIndex v, VertexIndex a, VertexIndex b);
 
@@ -148,9 +155,14 @@ ExcavationSources Excavation::sources() const {
   ExcavationSources sources;
   for (const VertexIndex v : indices<VertexIndex>(ground_.size())) {
     if (has_lowered_[v] == 0) continue;
-    if (is_toe(v))
-      sources.toes.push_back({mesh_.vertices[v].x, mesh_.vertices[v].y, marks_.toes[v]});
-    if (is_at_marked_roof(v)) sources.roofs.push_back(mesh_.regions[building_[v]].building);
+    double toe = is_toe(v) ? marks_.toes[v] : kInfinity;
+    if (is_at_marked_roof(v)) {
+      if (has_one_roof(building_[v]))
+        sources.roofs.push_back(mesh_.regions[building_[v]].building);
+      else
+        toe = std::min(toe, roofs_.at(building_[v], v));
+    }
+    if (toe < kInfinity) sources.toes.push_back({mesh_.vertices[v].x, mesh_.vertices[v].y, toe});
   }
   sort_once(sources.roofs);
   return sources;

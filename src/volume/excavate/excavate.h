@@ -31,8 +31,9 @@ struct ExcavationMarks {
 
 /// From each of these something was lowered.
 struct ExcavationSources {
-  std::vector<BuildingIndex> roofs;     ///< Ascending.
-  std::vector<Point3> toes;             ///< By vertex; z as marked.
+  std::vector<BuildingIndex> roofs;  ///< Ascending; those of buildings with one roof.
+  std::vector<Point3> toes;          ///< By vertex; z as marked, or of the roof there, if that is
+                                     ///< marked, of a building with several: not all may be.
   std::vector<double> roof_slopes_deg;  ///< How steeply the ground rises from each of them,
   std::vector<double> toe_slopes_deg;   ///< degrees (ExcavationSlopes::at_source).
 };

@@ -106,6 +106,39 @@ TEST(Excavate, GroundRisesFromTheRoofAsAsked) {
     }
 }
 
+/// Of a building with several roofs one alone may be marked, so its edge is told point by point.
+TEST(Excavate, RoofsAreToldByBuildingOrByPoint) {
+  const Basin basin(3.0);
+  GroundMesh mesh = basin.mesh;
+  mesh.regions[RegionIndex(1)].building = mesh.regions[RegionIndex(0)].building;
+  std::vector<double> alone = basin.terrain, together = basin.terrain;
+  const ExcavationMarks marks{{1, 0}, {}};
+  const ExcavationSlopes slopes{1.5, 3};
+  const ExcavationSources of_one =
+      excavate(basin.mesh, basin.owner, basin.city.roofs, marks, slopes, alone);
+  const ExcavationSources of_two =
+      excavate(mesh, basin.owner, basin.city.roofs, marks, slopes, together);
+  EXPECT_EQ(alone, together);
+  EXPECT_EQ(of_one.roofs, testing::indices_of<BuildingIndex>({0}));
+  EXPECT_TRUE(of_two.roofs.empty());
+  EXPECT_GT(of_two.toes.size(), 10U);
+  // Excavating anew from these points alone gives the same ground.
+  ExcavationMarks points;
+  points.toes.assign(mesh.vertices.size(), std::numeric_limits<double>::infinity());
+  for (const Point3& toe : of_two.toes) {
+    EXPECT_EQ(toe[2], 0);
+    EXPECT_EQ(distance(basin.low, {toe[0], toe[1]}), 0);
+    for (const VertexIndex v : mesh.vertices.indices())
+      if (mesh.vertices[v] == Point2{toe[0], toe[1]}) points.toes[v] = toe[2];
+  }
+  std::vector<double> anew = basin.terrain;
+  excavate(mesh, basin.owner, basin.city.roofs, points, slopes, anew);
+  for (const VertexIndex v : mesh.vertices.indices()) {
+    if (basin.owner[v] == 0) continue;
+    EXPECT_NEAR(anew[v], together[v], 1e-9);
+  }
+}
+
 /// The same slope everywhere: the height is that over the distance from the wall.
 TEST(Excavate, AgreesWithDistances) {
   const Basin basin(3);
