@@ -4,10 +4,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
+#include <span>
 #include <utility>
 
 #include "core/is_among.h"
+#include "core/ragged_builder.h"
 #include "page_columns.h"
 
 namespace tetropolis {
@@ -21,16 +22,24 @@ using Place = std::uint32_t;
 /// The steps: one to each fan.
 class Steps {
  public:
-  explicit Steps(const ColumnMesh& mesh) : mesh_(mesh) {
+  explicit Steps(const ColumnMesh& mesh) : fans_(mesh.upper.fans) {
     const UpperMesh& upper = mesh.upper;
-    std::vector<Place> nodes(mesh.vertex_count(), 1);
+    const std::size_t columns = mesh.vertex_count();
+    std::vector<Place> nodes(columns, 1);
     for (const VertexIndex v : upper.vertex) ++nodes[v];
     first_.push_back(0);
     for (const Place count : nodes) first_.push_back(first_.back() + count);
     for (const VertexIndex v : mesh.ground.vertices.indices()) vertex_.resize(first_[v + 1], v);
+    const auto place = [&](UpperPlace p) {
+      if (p < columns) return first_[p];
+      const std::size_t node = p - columns;
+      return static_cast<Place>(node + std::size_t{upper.vertex[node]} + 1);
+    };
     fan_.assign(vertex_.size(), kNoFan);
-    for (std::size_t f = 0; f + 1 < upper.fans.size(); ++f)
-      fan_[place(upper.fans[f].node)] = static_cast<std::uint32_t>(f);
+    for (std::size_t f = 0; f + 1 < fans_.size(); ++f)
+      fan_[place(fans_[f].node)] = static_cast<std::uint32_t>(f);
+    around_.reserve(upper.others.size());
+    for (const UpperPlace p : upper.others) around_.push_back(place(p));
   }
 
   Place size() const { return static_cast<Place>(vertex_.size()); }
@@ -42,27 +51,19 @@ class Steps {
   bool is_end(Place p) const { return is_step(p) && p == last(vertex_[p]); }
 
   /// The places around it when it is taken, some twice: of the cells that the step makes.
-  template <typename Visit>
-  void for_each_around(Place p, const Visit& visit) const {
-    if (!is_step(p)) return;
-    const auto& fans = mesh_.upper.fans;
-    for (std::size_t i = fans[fan_[p]].other; i < fans[fan_[p] + 1].other; ++i)
-      visit(place(mesh_.upper.others[i]));
+  std::span<const Place> around(Place p) const {
+    if (!is_step(p)) return {};
+    const std::size_t begin = fans_[fan_[p]].other, end = fans_[fan_[p] + 1].other;
+    return std::span(around_).subspan(begin, end - begin);
   }
 
  private:
-  Place place(UpperPlace p) const {
-    const std::size_t columns = mesh_.vertex_count();
-    if (p < columns) return first_[p];
-    const std::size_t node = p - columns;
-    return static_cast<Place>(node + std::size_t{mesh_.upper.vertex[node]} + 1);
-  }
-
   static constexpr std::uint32_t kNoFan = 0xffffffff;
-  const ColumnMesh& mesh_;
+  std::span<const UpperFan> fans_;
   std::vector<Place> first_;         // per vertex, and one more
   std::vector<VertexIndex> vertex_;  // per place
   std::vector<std::uint32_t> fan_;   // per place
+  std::vector<Place> around_;        // of each fan
 };
 
 /// The elevations of places, as the reader has them.
@@ -120,25 +121,21 @@ struct Turn {
 std::vector<Turn> add_waits(const ColumnMesh& mesh, const Steps& steps, std::span<const double> z,
                             std::span<const std::int32_t> read, PageUpper& page) {
   // By place: the steps it is around of.
-  std::vector<std::uint32_t> begin(steps.size() + 2, 0);
-  for (Place p = 0; p < steps.size(); ++p)
-    steps.for_each_around(p, [&](Place q) { ++begin[q + 2]; });
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<Place> around(begin.back());
+  const auto is_around =
+      ragged_from_pairs<Place, std::uint32_t>(steps.size(), [&](const auto& use) {
+        for (Place p = 0; p < steps.size(); ++p)
+          for (const Place q : steps.around(p)) use(q, p);
+      });
   std::vector<Turn> turns(steps.size());
-  for (Place p = 0; p < steps.size(); ++p) {
-    std::uint32_t& before = turns[p].before;
-    steps.for_each_around(p, [&](Place q) {
-      around[begin[q + 1]++] = p;
-      if (!steps.is_on_lid(q)) ++before;
-    });
-    if (!steps.is_on_lid(p)) ++before;
-  }
-  for (Place p = 0; p < steps.size(); ++p) turns[p].before += begin[p + 1] - begin[p];
-
   std::vector<Place> ready;
-  for (Place p = 0; p < steps.size(); ++p)
-    if (steps.is_step(p) && turns[p].before == 0) ready.push_back(p);
+  for (Place p = 0; p < steps.size(); ++p) {
+    std::size_t before = is_around[p].size();
+    for (const Place q : steps.around(p)) before += steps.is_on_lid(q) ? 0 : 1;
+    before += steps.is_on_lid(p) ? 0 : 1;
+    // The turn of what is no step never comes.
+    turns[p].before = static_cast<std::uint32_t>(before) + (steps.is_step(p) ? 0 : 1);
+    if (turns[p].before == 0) ready.push_back(p);
+  }
   while (!ready.empty()) {
     const Place p = ready.back();
     ready.pop_back();
@@ -148,15 +145,14 @@ std::vector<Turn> add_waits(const ColumnMesh& mesh, const Steps& steps, std::spa
     own.wait = static_cast<std::int32_t>((late + made_up.unit - 1) / made_up.unit);
     own.key = made_up.key + own.wait * made_up.unit;
     const auto precede = [&, after = own.key + 1](Place q) {
-      if (!steps.is_step(q)) return;
       Turn& next = turns[q];
       next.key = std::max(next.key, after);
       if (--next.before == 0) ready.push_back(q);
     };
-    steps.for_each_around(p, precede);
+    for (const Place q : steps.around(p)) precede(q);
     if (p == steps.last(steps.vertex(p))) continue;
     precede(p + 1);
-    for (std::size_t i = begin[p + 1]; i < begin[p + 2]; ++i) precede(around[i]);
+    for (const Place q : is_around[p + 1]) precede(q);
   }
   for (Place p = 0; p < steps.size(); ++p)
     if (steps.is_step(p)) page.wait.push_back(turns[p].wait);
@@ -166,21 +162,21 @@ std::vector<Turn> add_waits(const ColumnMesh& mesh, const Steps& steps, std::spa
 /// Tells how holes of columns are covered.
 class SplitWriter {
  public:
-  SplitWriter(const Steps& steps, PageUpper& page) : steps_(steps), page_(page) {}
+  SplitWriter(const Steps& steps, std::vector<std::uint8_t>& splits)
+      : steps_(steps), splits_(splits) {}
   /// That of a column that ends at `p`.
   void add(Place p);
 
  private:
   using Corners = std::array<VertexIndex, 3>;
-  bool has_edge(VertexIndex a, VertexIndex b) const { return is_among(std::pair(a, b), edges_); }
   bool is_cover(VertexIndex a, VertexIndex b, VertexIndex c) const;
   void find_ring();
   void split(std::size_t i, std::size_t j);
 
   const Steps& steps_;
-  PageUpper& page_;
+  std::vector<std::uint8_t>& splits_;
   std::vector<Corners> covers_;
-  std::vector<std::pair<VertexIndex, VertexIndex>> edges_;
+  std::vector<std::pair<VertexIndex, VertexIndex>> edges_, rim_;  // directed
   std::vector<VertexIndex> ring_;
 };
 
@@ -189,32 +185,29 @@ void SplitWriter::add(Place p) {
   edges_.clear();
   Corners c;
   std::size_t corners = 0;
-  steps_.for_each_around(p, [&](Place other) {
+  for (const Place other : steps_.around(p)) {
     c[corners++] = steps_.vertex(other);
-    if (corners < 3) return;
+    if (corners < 3) continue;
     covers_.push_back(c);
     for (std::size_t k = 0; k < 3; ++k) edges_.emplace_back(c[k], c[(k + 1) % 3]);
     corners = 0;
-  });
+  }
   find_ring();
   split(0, ring_.size() - 1);
 }
 
 /// Of edges without one that goes back, from its least vertex.
 void SplitWriter::find_ring() {
-  ring_.clear();
+  rim_.clear();
   for (const auto& [a, b] : edges_)
-    if (!has_edge(b, a)) ring_.push_back(a);
-  std::iter_swap(ring_.begin(), std::min_element(ring_.begin(), ring_.end()));
-  const auto is_next = [&](VertexIndex a, VertexIndex b) {
-    return has_edge(a, b) && !has_edge(b, a);
-  };
-  for (std::size_t i = 1; i < ring_.size(); ++i)
-    for (std::size_t j = i; j < ring_.size(); ++j)
-      if (is_next(ring_[i - 1], ring_[j])) {
-        std::swap(ring_[i], ring_[j]);
-        break;
-      }
+    if (!is_among(std::pair(b, a), edges_)) rim_.emplace_back(a, b);
+  std::iter_swap(rim_.begin(), std::min_element(rim_.begin(), rim_.end()));
+  for (std::size_t i = 1; i < rim_.size(); ++i)
+    std::iter_swap(rim_.begin() + i, std::find_if(rim_.begin() + i, rim_.end(), [&](const auto& e) {
+                     return e.first == rim_[i - 1].second;
+                   }));
+  ring_.clear();
+  for (const auto& [a, b] : rim_) ring_.push_back(a);
 }
 
 bool SplitWriter::is_cover(VertexIndex a, VertexIndex b, VertexIndex c) const {
@@ -228,9 +221,32 @@ void SplitWriter::split(std::size_t i, std::size_t j) {
   if (j - i < 2) return;
   std::size_t k = i + 1;
   while (!is_cover(ring_[i], ring_[k], ring_[j])) ++k;
-  if (j - i > 2) page_.splits.push_back(static_cast<std::uint8_t>(k - i - 1));
+  if (j - i > 2) splits_.push_back(static_cast<std::uint8_t>(k - i - 1));
   split(i, k);
   split(k, j);
+}
+
+void add_splits(const Steps& steps, std::span<const Turn> turns, PageUpper& page) {
+  struct End {
+    std::int64_t key;
+    std::uint32_t begin, end;  // of its splits
+  };
+  std::vector<End> ends;
+  std::vector<std::uint8_t> splits;  // by place
+  SplitWriter writer(steps, splits);
+  const auto told = [&] { return static_cast<std::uint32_t>(splits.size()); };
+  for (Place p = 0; p < steps.size(); ++p) {
+    if (!steps.is_end(p)) continue;
+    const std::uint32_t begin = told();
+    writer.add(p);
+    ends.push_back({turns[p].key, begin, told()});
+  }
+  // Of those with one key the lower place first.
+  std::stable_sort(ends.begin(), ends.end(),
+                   [](const End& a, const End& b) { return a.key < b.key; });
+  page.splits.reserve(splits.size());
+  for (const End& e : ends)
+    for (std::uint32_t i = e.begin; i < e.end; ++i) page.splits.push_back(splits[i]);
 }
 
 }  // namespace
@@ -247,12 +263,7 @@ PageUpper page_upper(const ColumnMesh& mesh, std::span<const double> z) {
   }
   const std::vector<std::int32_t> read = add_rises(mesh, steps, z, page);
   const std::vector<Turn> turns = add_waits(mesh, steps, z, read, page);
-  std::vector<std::pair<std::int64_t, Place>> ends;
-  for (Place p = 0; p < steps.size(); ++p)
-    if (steps.is_end(p)) ends.emplace_back(turns[p].key, p);
-  std::sort(ends.begin(), ends.end());
-  SplitWriter splits(steps, page);
-  for (const auto& end : ends) splits.add(end.second);
+  add_splits(steps, turns, page);
   return page;
 }
 
