@@ -240,6 +240,7 @@ Raster make_terrain(const BuildCityOptions& options, const CityInput& input, Ste
   if (input.terrain)
     return clock.run("1.3", "terrain", [&](const Progress&) {
       Raster given = sampled_terrain(options, input);
+      round_to_single(given);
       warn_off_terrain(input, given, result.warnings);
       return given;
     });
@@ -248,7 +249,9 @@ Raster make_terrain(const BuildCityOptions& options, const CityInput& input, Ste
     DtmOptions dtm_options = options.dtm;
     // So that the nodes of two domains are the same places.
     if (options.origin) dtm_options.anchor = Point2{0, 0};
-    return build_dtm(input.points.points, input.domain, dtm_options, progress, &dtm_report);
+    Raster made = build_dtm(input.points.points, input.domain, dtm_options, progress, &dtm_report);
+    round_to_single(made);
+    return made;
   });
   require_elevations(dtm, input.points);
   result.facts.dtm_empty_share = dtm_report.empty_share;

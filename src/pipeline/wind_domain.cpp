@@ -340,6 +340,7 @@ WindDomainFacts fit_wind_domain(const WindDomainOptions& options, double min_dis
   const double width = std::max(kInflow * around.height, kLeastFade * terrain.step);
   Raster faded = extend_terrain(terrain, city.domain.bounds(),
                                 {around.along, around.core, width, facts.rim_height}, wider);
+  round_to_single(faded);
   const double levelled = most_levelled(terrain, faded, city.domain);
   constexpr double kTold = 2;  // metres
   if (levelled > kTold)

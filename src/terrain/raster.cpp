@@ -35,6 +35,10 @@ double sample(const Raster& raster, Point2 p) {
   return south * (1 - cy.share) + north * cy.share;
 }
 
+void round_to_single(Raster& raster) {
+  for (double& value : raster.values) value = static_cast<float>(value);
+}
+
 double highest_under(const Raster& raster, const Bounds2& box) {
   const auto node = [&](double position, double origin, std::int32_t nodes, auto round) {
     return static_cast<std::int32_t>(

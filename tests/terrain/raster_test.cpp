@@ -71,6 +71,17 @@ TEST(Raster, SampleOfSingleNodeRowOrColumn) {
   EXPECT_EQ(sample(column, {99, column.y0 + 3}), 4);
 }
 
+TEST(Raster, RoundingToSingleMovesNothingByMoreThanItsLastDigit) {
+  Raster raster{3, 1, 0, 0, 1, {0.1, -511.9999, 4095.123}};
+  const std::vector<double> before = raster.values;
+  round_to_single(raster);
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    EXPECT_NE(raster.values[i], before[i]);
+    EXPECT_EQ(raster.values[i], static_cast<double>(static_cast<float>(raster.values[i])));
+    EXPECT_NEAR(raster.values[i], before[i], std::abs(before[i]) * 0x1p-24);
+  }
+}
+
 TEST(Raster, HighestUnderABoxIsThatOfItsCells) {
   Raster raster = make_raster(40, 30, 2.5);
   std::mt19937 random(test_seed());

@@ -28,6 +28,10 @@ struct Raster {
 /// is NaN.
 double sample(const Raster& raster, Point2 p);
 
+/// Rounds every value to single precision: at 500 m to 0.02 mm. Such a raster takes four bytes a
+/// node in files, which give it back to the bit.
+void round_to_single(Raster& raster);
+
 /// The greatest value that sample() may give inside `box`: of the nodes of all grid cells that meet
 /// it. Precondition: as sample; `box` is not empty.
 double highest_under(const Raster& raster, const Bounds2& box);

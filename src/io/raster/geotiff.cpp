@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <new>
 #include <string>
 #include <system_error>
@@ -59,15 +60,25 @@ void describe(GDALDatasetH dataset, const Raster& raster, Point2 origin, const s
   }
 }
 
+/// Whether single precision has every value.
+bool fits_single(const Raster& raster) {
+  constexpr double kMost = std::numeric_limits<float>::max();
+  return std::all_of(raster.values.begin(), raster.values.end(), [](double value) {
+    if (!std::isfinite(value)) return true;
+    return std::abs(value) <= kMost && static_cast<double>(static_cast<float>(value)) == value;
+  });
+}
+
+template <typename Value>
 bool write_values(GDALDatasetH dataset, const Raster& raster) {
   GDALRasterBandH band = GDALGetRasterBand(dataset, 1);
   const auto nx = static_cast<std::size_t>(raster.nx);
-  std::vector<double> row(nx);
+  std::vector<Value> row(nx);
   for (std::int32_t line = 0; line < raster.ny; ++line) {
     const auto first = static_cast<std::size_t>(raster.ny - 1 - line) * nx;
     for (std::size_t i = 0; i < nx; ++i) {
       const double value = raster.values[first + i];
-      row[i] = std::isfinite(value) ? value : kRasterNodata;
+      row[i] = static_cast<Value>(std::isfinite(value) ? value : kRasterNodata);
     }
     // A block is a row. Written at once, it takes up no memory among GDAL's.
     if (GDALWriteBlock(band, 0, line, row.data()) != CE_None) return false;
@@ -148,11 +159,14 @@ void write_raster(const fs::path& path, const Raster& raster, Point2 origin, con
   const auto is_first = [&](double height) { return height == raster.values.front(); };
   if (std::all_of(raster.values.begin(), raster.values.end(), is_first))
     options.SetNameValue("COMPRESS", "DEFLATE");
+  const bool is_single = fits_single(raster);
   gdal::Dataset dataset(GDALCreate(GDALGetDriverByName("GTiff"), memory.path("a.tif").c_str(),
-                                   raster.nx, raster.ny, 1, GDT_Float64, options.List()));
+                                   raster.nx, raster.ny, 1, is_single ? GDT_Float32 : GDT_Float64,
+                                   options.List()));
   if (dataset == nullptr) throw_cannot_write(path, errors.last());
   describe(dataset.get(), raster, origin, canonical, domain);
-  const bool written = write_values(dataset.get(), raster);
+  const bool written = is_single ? write_values<float>(dataset.get(), raster)
+                                 : write_values<double>(dataset.get(), raster);
   dataset.reset();  // Closing writes what is left, and may fail.
   if (!written || errors.failures() > 0) throw_cannot_write(path, errors.last());
   file.write(memory.bytes("a.tif"));

@@ -92,6 +92,23 @@ TEST(GeoTiff, LevelGroundIsSmallInFiles) {
   EXPECT_TRUE(same_bits(read_raster(folder / "level.tif", {}).raster.values, raster.values));
 }
 
+TEST(GeoTiff, FourBytesANodeWhereSinglePrecisionHasAllValues) {
+  const TemporaryFolder folder;
+  Raster raster = random_raster(1000, 1000, 0, 0, 1);
+  const auto bytes_per_node = [&] {
+    write_raster(folder / "a.tif", raster, {}, "EPSG:28992");
+    EXPECT_TRUE(same_bits(read_raster(folder / "a.tif", {}).raster.values, raster.values));
+    return static_cast<double>(fs::file_size(folder / "a.tif")) / 1e6;
+  };
+  EXPECT_NEAR(bytes_per_node(), 8, 0.1);
+  round_to_single(raster);
+  EXPECT_NEAR(bytes_per_node(), 4, 0.1);
+  raster.values[123456] = 0.1;
+  EXPECT_NEAR(bytes_per_node(), 8, 0.1);
+  raster.values[123456] = 1e39;  // beyond single precision
+  EXPECT_NEAR(bytes_per_node(), 8, 0.1);
+}
+
 TEST(GeoTiff, OtherSoftwareSeesTheSame) {
   if (output_of("gdalinfo --version").empty()) GTEST_SKIP() << "needs gdalinfo";
   const TemporaryFolder folder;
@@ -103,7 +120,7 @@ TEST(GeoTiff, OtherSoftwareSeesTheSame) {
   EXPECT_EQ(info["size"], (std::vector<int>{3, 2}));
   // Pixel centres at x 1010, 1012, 1014 and y 5022 (first row), 5020.
   EXPECT_EQ(info["geoTransform"], (std::vector<double>{1009, 2, 0, 5023, 0, -2}));
-  EXPECT_EQ(info["bands"][0]["type"], "Float64");
+  EXPECT_EQ(info["bands"][0]["type"], "Float32");
   EXPECT_EQ(info["bands"][0]["noDataValue"], -9999);
   EXPECT_EQ(info["bands"][0]["maximum"], 5);  // The NaN became nodata.
   EXPECT_EQ(info["metadata"][""]["TETROPOLIS_DOMAIN"], "1000,5001,1002,5003");

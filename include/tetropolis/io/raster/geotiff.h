@@ -16,14 +16,15 @@ namespace tetropolis {
 /// The value that stands for "no height" in files written here.
 inline constexpr double kRasterNodata = -9999;
 
-/// Writes a Float64 GeoTIFF: north up (the first row of the file is the northernmost), one square
-/// pixel centred on each node, DEFLATE, nodata kRasterNodata, and the reference system if known.
+/// Writes a GeoTIFF, Float32 if single precision has all values (round_to_single()), else Float64:
+/// north up (the first row of the file is the northernmost), one square pixel centred on each node,
+/// DEFLATE if all values are one, nodata kRasterNodata, and the reference system if known.
 ///
 /// raster, domain: local frame, that is CRS coordinates minus `origin`. The domain, if given, goes
 /// into the metadata item TETROPOLIS_DOMAIN = "xmin,ymin,xmax,ymax" in CRS coordinates.
 /// Values that are not finite are written as nodata.
 /// Precondition: nx, ny >= 1, step > 0, values.size() == nx * ny. `crs` as normalise_crs takes it.
-/// Guarantees: the same input gives the same bytes; appears complete or not at all. The compressed
+/// Guarantees: the same input gives the same bytes; appears complete or not at all. The
 /// file is made in memory first. Errors: kInput if it cannot be written, kUsage if `crs` is bad.
 void write_raster(const std::filesystem::path& path, const Raster& raster, Point2 origin,
                   const std::string& crs, const std::optional<Bounds2>& domain = std::nullopt);
