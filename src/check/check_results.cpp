@@ -143,9 +143,10 @@ void check_ground_mesh(const SurfaceMesh& surface, std::array<double, 3> shift,
 void check_heights_of(const Raster& terrain, const TetMesh& mesh, const SurfaceMesh& surface,
                       std::array<double, 3> shift, const CityModel& city,
                       const std::optional<ReportedRun>& report, CheckedFile& file) {
-  const double min_wall = report ? report->report.config.min_wall_height : Config{}.min_wall_height;
   const Config config = report ? report->report.config : Config{};
   const bool whole = mesh.cells.empty();
+  const double min_wall =
+      whole ? std::max(config.min_wall_height, kWallOfPrisms) : config.min_wall_height;
   const int count = config.boundary_layers == 0 && (whole || config.cells == Cells::kPrisms)
                         ? kLayersBelowPrisms
                         : config.boundary_layers;

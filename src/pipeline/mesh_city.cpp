@@ -110,10 +110,6 @@ constexpr double kCoarsestPreview = 50;
 /// Prisms on steep ground are sheared: from this slope on 5 % of the terrain on, degrees.
 constexpr double kSteepForPrisms = 36;
 
-/// Where layers are far thinner than those below or beside them the centres of prisms lie far off,
-/// and faces are skewed: least wall, metres.
-constexpr double kWallOfPrisms = 2;
-
 /// The slope, in degrees, that 95 % of the terrain's squares in the domain do not exceed.
 double steep_slope(const Raster& dtm, const Domain& domain) {
   constexpr std::size_t kBins = 900;

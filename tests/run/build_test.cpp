@@ -494,6 +494,32 @@ TEST_F(Build, PrismsThatGaveWayToTetsHoldWhatTheyPromise) {
       ADD_FAILURE() << file.name << ": " << violation.what << ": " << violation.first;
 }
 
+// Walls above the least that is asked for, and below the least beside prisms.
+TEST_F(Build, PrismsBesideLowWallsPassTheCheck) {
+  Config config;
+  config.footprints = {(scratch / "sheds.geojson").string()};
+  std::ofstream(config.footprints.front()) << R"({"type": "FeatureCollection",
+             "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::3006"}},
+             "features": [{"type": "Feature", "properties": {"height": 2.2},
+                           "geometry": {"type": "Polygon", "coordinates":
+                             [[[600030, 6600030], [600045, 6600030], [600045, 6600045],
+                               [600030, 6600045], [600030, 6600030]]]}}]})";
+  Raster slope;
+  slope.nx = slope.ny = 101;
+  for (std::int32_t j = 0; j < slope.ny; ++j)
+    for (std::int32_t i = 0; i < slope.nx; ++i) slope.values.push_back(0.05 * i);
+  config.dtm = {(scratch / "slope.tif").string()};
+  write_raster(config.dtm.front(), slope, {600000, 6600000}, "EPSG:3006");
+  config.cells = Cells::kPrisms;
+  config.out = (scratch / "out").string();
+  const Report report = run_build(config);
+  EXPECT_GT(report.volume_mesh->prisms.cells, 0);
+  EXPECT_GT(report.volume_mesh->ground_lowered, 0);
+  for (const CheckedFile& file : check_path(config.out, std::nullopt))
+    for (const Violation& violation : file.violations)
+      ADD_FAILURE() << file.name << ": " << violation.what << ": " << violation.first;
+}
+
 TEST_F(Build, CheckFindsATerrainOfAnotherSystem) {
   const Config config = city(SynthKind::kRandom, 10, 150, 4);
   run_city(config);

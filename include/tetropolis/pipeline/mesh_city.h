@@ -75,6 +75,10 @@ inline bool solves_laplace(const MeshCityOptions& options) {
 /// Boundary layers where cells are prisms and none are asked for.
 inline constexpr int kLayersBelowPrisms = 5;
 
+/// Least wall where cells are prisms, metres: where layers are far thinner than those below or
+/// beside them the centres of prisms lie far off, and faces are skewed.
+inline constexpr double kWallOfPrisms = 2;
+
 /// Gaps between buildings from this width on count as streets, metres.
 constexpr double kStreetWidth = 10;
 
