@@ -511,6 +511,7 @@ TEST_F(Build, PrismsBesideLowWallsPassTheCheck) {
   config.dtm = {(scratch / "slope.tif").string()};
   write_raster(config.dtm.front(), slope, {600000, 6600000}, "EPSG:3006");
   config.cells = Cells::kPrisms;
+  config.first_layer = 0.1;  // thick ones are compressed there
   config.out = (scratch / "out").string();
   const Report report = run_build(config);
   EXPECT_GT(report.volume_mesh->prisms.cells, 0);
