@@ -500,7 +500,7 @@ TEST_F(Build, PrismsBesideLowWallsPassTheCheck) {
   config.footprints = {(scratch / "sheds.geojson").string()};
   std::ofstream(config.footprints.front()) << R"({"type": "FeatureCollection",
              "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::3006"}},
-             "features": [{"type": "Feature", "properties": {"height": 2.2},
+             "features": [{"type": "Feature", "properties": {"height": 1.8},
                            "geometry": {"type": "Polygon", "coordinates":
                              [[[600030, 6600030], [600045, 6600030], [600045, 6600045],
                                [600030, 6600045], [600030, 6600030]]]}}]})";
@@ -510,6 +510,7 @@ TEST_F(Build, PrismsBesideLowWallsPassTheCheck) {
     for (std::int32_t i = 0; i < slope.nx; ++i) slope.values.push_back(0.05 * i);
   config.dtm = {(scratch / "slope.tif").string()};
   write_raster(config.dtm.front(), slope, {600000, 6600000}, "EPSG:3006");
+  config.min_building_height = 0.5;
   config.cells = Cells::kPrisms;
   config.first_layer = 0.1;  // thick ones are compressed there
   config.out = (scratch / "out").string();
