@@ -350,6 +350,7 @@ void Refiner::improve(const BadTriangle& bad) {
 // refined alike, and what one has does not go far. Depth first, a house would change the order in
 // which others come to the end of the mesh.
 void Refiner::run(const Progress& progress) {
+  cut_the_rest();
   mesh_.touched.clear();
   for (TriMesh::Triangle& x : mesh_.triangles) x.considered = 0;
   for (std::int32_t t = 0; t < static_cast<std::int32_t>(mesh_.triangles.size()); ++t) consider(t);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "tetropolis/core/row_major.h"
 #include "tetropolis/geometry/polygon.h"
@@ -174,14 +175,29 @@ void Refiner::cut_piece(std::int32_t s, double size) {
     }
     std::sort(cuts.begin(), cuts.end());
   }
-  std::int32_t rest = s;
-  for (const double t : cuts) {
-    const std::int32_t v = add_vertex(between(a, b, t), mesh_.sub(s).piece);
+  cut({s, std::move(cuts)});
+}
+
+/// Leaves the rest of it to cut_the_rest() where a place is off the line, by rounding, and beyond a
+/// triangle of the outside that is as thin.
+void Refiner::cut(Cuts cuts) {
+  const Piece& whole = piece(mesh_.sub(cuts.segment).piece);
+  const Point2 a = mesh_.point(whole.v[0]), b = mesh_.point(whole.v[1]);
+  for (auto t = cuts.places.begin(); t != cuts.places.end(); ++t) {
+    const std::int32_t v = add_vertex(between(a, b, *t), mesh_.sub(cuts.segment).piece);
     mesh_.touched.clear();
-    const std::int32_t next = mesh_.split_subsegment(rest, v);
-    if (next == TriMesh::kNothing) return;
-    rest = next;
+    const std::int32_t next = mesh_.split_subsegment(cuts.segment, v);
+    if (next == TriMesh::kNothing) {
+      cuts.places.erase(cuts.places.begin(), t);
+      rest_.push_back(std::move(cuts));
+      return;
+    }
+    cuts.segment = next;
   }
+}
+
+void Refiner::cut_the_rest() {
+  for (Cuts& cuts : std::exchange(rest_, {})) cut(std::move(cuts));
 }
 
 /// Nodes of a lattice of nearly equilateral triangles over the box that no segment is near to.

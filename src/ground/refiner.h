@@ -108,6 +108,13 @@ class Refiner {
   void find_corners();
   void cut_pieces();
   void cut_piece(std::int32_t s, double size);
+  /// Where a subsegment is to be cut.
+  struct Cuts {
+    std::int32_t segment;
+    std::vector<double> places;  ///< Ascending, of its piece, from 0 to 1.
+  };
+  void cut(Cuts cuts);
+  void cut_the_rest();
   std::vector<Point2> lattice_nodes() const;
   void insert_lattice(const Progress& progress);
 
@@ -174,6 +181,7 @@ class Refiner {
   TriMesh& mesh_;
   SizeBound size_;
   std::vector<Piece> pieces_;
+  std::vector<Cuts> rest_;  ///< What could not be cut with the outside there.
   std::vector<std::int32_t> kinds_;
   std::vector<double> hard_bounds_;  ///< Per hard vertex, if segments have bounds: the least.
   std::vector<double> elevations_;   ///< Per vertex, while flattening.

@@ -227,6 +227,12 @@ std::int32_t TriMesh::split_subsegment(std::int32_t s, std::int32_t vertex) {
 
 bool TriMesh::remove_vertex(std::int32_t start_he) {
   const std::int32_t v = apex(start_he);
+  const std::size_t first = touched.size();
+  const auto own_edges_in_doubt = [&] {
+    for (std::size_t k = first; k < touched.size(); ++k)
+      if (!dead(touched[k]))
+        for (std::int32_t i = 0; i < 3; ++i) pending_.push_back(4 * touched[k] + i);
+  };
   std::int32_t he = start_he;
   int degree = 0;
   around(he, [&](std::int32_t) { return ++degree, false; });
@@ -253,9 +259,7 @@ bool TriMesh::remove_vertex(std::int32_t start_he) {
     he = opposite(t, v);  // the former neighbour has lost v
   }
   if (degree > 3) {
-    for (const std::int32_t t : touched)
-      for (std::int32_t i = 0; i < 3; ++i)
-        if (!dead(t)) pending_.push_back(4 * t + i);
+    own_edges_in_doubt();
     restore_delaunay();
     return false;
   }
@@ -276,9 +280,7 @@ bool TriMesh::remove_vertex(std::int32_t start_he) {
   if (tracking)
     for (const std::int32_t c : corner) track(c, t);
   touched.push_back(t);
-  for (const std::int32_t changed : touched)
-    if (!dead(changed))
-      for (std::int32_t i = 0; i < 3; ++i) pending_.push_back(4 * changed + i);
+  own_edges_in_doubt();
   restore_delaunay();
   return true;
 }

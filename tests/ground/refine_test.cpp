@@ -8,6 +8,7 @@
 
 #include "tetropolis/core/error.h"
 
+#include "core/units.h"
 #include "ground_cases.h"
 #include "support/indices.h"
 
@@ -286,6 +287,27 @@ TEST(Refine, HolesStayEmptyAndTheirSidesAreKept) {
                       (at(1).y - at(0).y) * (at(2).x - at(0).x));
   }
   EXPECT_NEAR(covered, 900 - 48, 1e-9);
+}
+
+// Cuts of a turned side are off its line by rounding, and the hull between them is as thin.
+TEST(Refine, SidesOfATurnedSquareAreCutEvenly) {
+  for (const double degrees : {0.0, 10.0, 45.0, 60.0}) {
+    SCOPED_TRACE(degrees);
+    PlanarGraph graph;
+    const double radius = 2000;
+    for (int i = 0; i < 4; ++i) {
+      const double angle = to_radians(degrees + 90 * i);
+      graph.points.push_back({std::round(1e3 * (150.567 + radius * std::cos(angle))) / 1e3,
+                              std::round(1e3 * (-1503.4 + radius * std::sin(angle))) / 1e3});
+      graph.segments.push_back({VertexIndex(i), VertexIndex((i + 1) % 4)});
+    }
+    const double size = 10;
+    const Triangulation mesh = refine(graph, {.max_edge = size});
+    const double cuts = std::ceil(radius * std::numbers::sqrt2 / size);
+    // Some more where the lattice is near.
+    EXPECT_GE(static_cast<double>(mesh.segments.size()), 4 * cuts);
+    EXPECT_LT(static_cast<double>(mesh.segments.size()), 1.15 * 4 * cuts);
+  }
 }
 
 TEST(Refine, LatticeNeedsFewerAndBetterTriangles) {
