@@ -296,14 +296,14 @@ void warn_of_averages(const CityModel& raw, const CityModel& city,
       const Building& member = raw.buildings[m];
       if ((member.flags & kStated) == 0) continue;
       ++stated;
-      const double block = city.buildings[BuildingIndex(b)].h_roof;
-      const double off = std::abs(member.h_roof - block);
+      const double moved = city.buildings[BuildingIndex(b)].h_roof - member.h_roof;
+      const double off = std::abs(moved);
       if (off > kMost) ++averaged.count;
       if (off <= std::max(worst, kMost)) continue;
       worst = off;
       averaged.message =
-          fmt::format("{}, {:.1f} m high, in one of {:.1f} m", member.source_ids.front(),
-                      member.h_roof - member.h_ground, block - member.h_ground);
+          fmt::format("{}, {:.1f} m high, its roof {:.1f} m {}", member.source_ids.front(),
+                      member.h_roof - member.h_ground, off, moved > 0 ? "higher" : "lower");
     }
   if (averaged.count == 0) return;
   averaged.message = fmt::format(

@@ -389,7 +389,7 @@ double find_scale(const MeshCityOptions& options, const CityModel& city, const S
     if (!(scale > low && scale < high)) scale = std::sqrt(low * high);
   }
   warnings.push_back({"target_cells", 1,
-                      fmt::format("no sizes give {:.3g} cells: {:.3g} is the nearest that was "
+                      fmt::format("no sizes give {:.0f} cells: {:.0f} is the nearest that was "
                                   "found; the footprints' corners set a least number",
                                   target, best_cells)});
   return best;
