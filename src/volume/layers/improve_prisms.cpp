@@ -4,10 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/infinity.h"
+#include "core/is_among.h"
 #include "core/parallel.h"
 #include "core/sort_once.h"
 #include "core/units.h"
@@ -35,14 +38,16 @@ double penalty_across(const PrismFace& face, const Point3& from, const Point3& t
          squared(kDegreesPerSkewness * (skewness_across(face, from, to) - aims.skewness));
 }
 
-/// Of all faces of a prism.
-double penalty(const ColumnMesh& mesh, TriangleIndex t, std::int32_t layer, const PrismAims& aims) {
-  const Prism prism = prism_at(mesh, t, layer);
+/// Of all faces of a prism. prism_of(t, layer) is any prism of the mesh.
+template <typename PrismOf>
+double penalty(const ColumnMesh& mesh, TriangleIndex t, std::int32_t layer, const PrismAims& aims,
+               const PrismOf& prism_of) {
+  const Prism prism = prism_of(t, layer);
   double sum = 0;
   const auto add = [&](std::size_t face, TriangleIndex other, std::int32_t beside) {
     const PrismFace& of = prism.faces[face];
     if (other != kNoTriangle && beside >= 0 && beside < prism_count(mesh, other))
-      sum += penalty_across(of, prism.centre, prism_at(mesh, other, beside).centre, aims);
+      sum += penalty_across(of, prism.centre, prism_of(other, beside).centre, aims);
     else
       sum +=
           squared(kDegreesPerSkewness * (skewness_at_boundary(of, prism.centre) - aims.skewness));
@@ -69,11 +74,14 @@ struct FreeNode {
 
 /// Those of faults, and next to them in their columns.
 std::vector<FreeNode> nodes_of_faults(const ColumnMesh& mesh, const PrismAims& aims) {
+  const auto prism_of = [&](TriangleIndex t, std::int32_t layer) {
+    return prism_at(mesh, t, layer);
+  };
   std::vector<std::vector<FreeNode>> found(mesh.triangle_count());
   parallel_chunks(mesh.triangle_count(), 1024, [&](std::size_t begin, std::size_t end) {
     for (const TriangleIndex t : indices<TriangleIndex>(begin, end))
       for (std::int32_t layer = 0; layer < prism_count(mesh, t); ++layer) {
-        if (!(penalty(mesh, t, layer, aims) > 0)) continue;
+        if (!(penalty(mesh, t, layer, aims, prism_of) > 0)) continue;
         for (const VertexIndex v : mesh.ground.triangles[t]) {
           const std::int64_t below = mesh.floor_over(t, v) - mesh.first[v] + layer -
                                      (mesh.has_layers(t) ? mesh.layers.count : 0);
@@ -101,6 +109,7 @@ class Improving {
 
   /// Whether a step was found that helps.
   bool move(std::span<const TriangleIndex> around, const FreeNode& node) {
+    known_.clear();
     if (!(penalty_around(around, node, 1) > 0)) return false;
     if (move(around, node, 1)) return true;
     const std::int64_t followers = std::min(node.end - node.node, kMostFollowers);
@@ -110,7 +119,9 @@ class Improving {
  private:
   /// Of the prisms that have one of `count` nodes from this one on.
   double penalty_around(std::span<const TriangleIndex> around, const FreeNode& node,
-                        std::int64_t count) const;
+                        std::int64_t count);
+  const Prism& prism_of(TriangleIndex t, std::int32_t layer);
+  void forget(std::span<const TriangleIndex> triangles);
   bool move(std::span<const TriangleIndex> around, const FreeNode& node, std::int64_t count);
   /// Of the segment above node n until it is as short as it may become, metres.
   double spare(NodeIndex n) const {
@@ -120,17 +131,41 @@ class Improving {
   ColumnMesh& mesh_;
   const std::vector<double> before_;
   const PrismAims& aims_;
+  /// Prisms around the node at hand: each has a part in the faces of five others.
+  struct Known {
+    TriangleIndex triangle;
+    std::vector<std::pair<std::int32_t, Prism>> prisms;  ///< By layer.
+  };
+  std::vector<Known> known_;
 };
 
+/// Valid until the next call.
+const Prism& Improving::prism_of(TriangleIndex t, std::int32_t layer) {
+  auto known =
+      std::find_if(known_.begin(), known_.end(), [&](const Known& k) { return k.triangle == t; });
+  if (known == known_.end()) known = known_.insert(known, {t, {}});
+  for (const auto& [at, prism] : known->prisms)
+    if (at == layer) return prism;
+  return known->prisms.emplace_back(layer, prism_at(mesh_, t, layer)).second;
+}
+
+void Improving::forget(std::span<const TriangleIndex> triangles) {
+  for (Known& known : known_)
+    if (is_among(known.triangle, triangles)) known.prisms.clear();
+}
+
 double Improving::penalty_around(std::span<const TriangleIndex> around, const FreeNode& node,
-                                 std::int64_t count) const {
+                                 std::int64_t count) {
+  const auto prism = [&](TriangleIndex t, std::int32_t layer) -> const Prism& {
+    return prism_of(t, layer);
+  };
   double sum = 0;
   for (const TriangleIndex t : around) {
     const auto above = static_cast<std::int32_t>(node.node - mesh_.floor_over(t, node.vertex)) +
                        (mesh_.has_layers(t) ? mesh_.layers.count : 0);
     const auto end = std::min<std::int64_t>(above + count, prism_count(mesh_, t));
     for (std::int32_t layer = std::max(above - 1, 0); layer < end; ++layer)
-      sum += penalty(mesh_, t, layer, aims_);
+      sum += penalty(mesh_, t, layer, aims_, prism);
   }
   return sum;
 }
@@ -152,6 +187,7 @@ bool Improving::move(std::span<const TriangleIndex> around, const FreeNode& node
       const auto at = static_cast<std::size_t>(i);
       mesh_.z[node.node + i] = was[at] + by * share[at];
     }
+    forget(around);
   };
   for (const double step : kSteps) {
     const double room = step > 0 ? up : down;
