@@ -29,7 +29,8 @@ struct Raster {
 double sample(const Raster& raster, Point2 p);
 
 /// Rounds every value to single precision: at 500 m to 0.02 mm. Such a raster takes four bytes a
-/// node in files, which give it back to the bit.
+/// node in files, which give it back to the bit. NaN stays; what is beyond single precision becomes
+/// infinite.
 void round_to_single(Raster& raster);
 
 /// The greatest value that sample() may give inside `box`: of the nodes of all grid cells that meet
