@@ -6,11 +6,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "core/infinity.h"
-#include "core/is_among.h"
 #include "core/parallel.h"
 #include "core/sort_once.h"
 #include "core/units.h"
@@ -31,36 +29,56 @@ constexpr std::int64_t kMostFollowers = 8;
 
 double squared(double excess) { return excess > 0 ? excess * excess : 0; }
 
-double penalty_across(const PrismFace& face, const Point3& from, const Point3& to,
-                      const PrismAims& aims) {
-  const double angle = to_degrees(std::acos(std::min(cosine_across(face, from, to), 1.0)));
-  return squared(angle - aims.non_orthogonal_deg) +
-         squared(kDegreesPerSkewness * (skewness_across(face, from, to) - aims.skewness));
-}
-
-/// Of all faces of a prism. prism_of(t, layer) is any prism of the mesh.
-template <typename PrismOf>
-double penalty(const ColumnMesh& mesh, TriangleIndex t, std::int32_t layer, const PrismAims& aims,
-               const PrismOf& prism_of) {
-  const Prism prism = prism_of(t, layer);
-  double sum = 0;
-  const auto add = [&](std::size_t face, TriangleIndex other, std::int32_t beside) {
-    const PrismFace& of = prism.faces[face];
-    if (other != kNoTriangle && beside >= 0 && beside < prism_count(mesh, other))
-      sum += penalty_across(of, prism.centre, prism_of(other, beside).centre, aims);
-    else
-      sum +=
-          squared(kDegreesPerSkewness * (skewness_at_boundary(of, prism.centre) - aims.skewness));
-  };
-  add(0, t, layer - 1);
-  add(1, t, layer + 1);
-  for (std::size_t i = 0; i < 3; ++i) {
-    const TriangleIndex other = triangle_beyond(mesh, t, i);
-    add(2 + i, other,
-        other == kNoTriangle ? -1
-                             : layer + prisms_above(mesh, t, other, mesh.ground.triangles[t][i]));
+/// What a face is beyond the aims by.
+class Penalty {
+ public:
+  explicit Penalty(const PrismAims& aims)
+      : aims_(aims), least_cosine_(std::cos(to_radians(aims.non_orthogonal_deg))) {}
+  /// Between the cells with these centres; the face's area leaves the first.
+  double inner(const PrismFace& face, const Point3& from, const Point3& to) const {
+    const double cosine = cosine_across(face, from, to);
+    const double excess =
+        cosine < least_cosine_ ? to_degrees(std::acos(cosine)) - aims_.non_orthogonal_deg : 0;
+    return squared(excess) + of_skewness(skewness_across(face, from, to));
   }
-  return sum;
+  double outer(const PrismFace& face, const Point3& from) const {
+    return of_skewness(skewness_at_boundary(face, from));
+  }
+
+ private:
+  double of_skewness(double skewness) const {
+    return squared(kDegreesPerSkewness * (skewness - aims_.skewness));
+  }
+
+  PrismAims aims_;
+  double least_cosine_;
+};
+
+/// Calls use(layer, sum) for prisms [begin, end) of a stack: the sum over the faces of each.
+template <typename Use>
+void for_each_penalty(const PrismSurroundings& around, std::int32_t begin, std::int32_t end,
+                      const Penalty& penalty, const Use& use) {
+  const PrismStack& stack = around.stack();
+  Prism prism = stack.prism(begin);
+  Point3 below{};
+  if (begin > 0) below = stack.centre(begin - 1);
+  for (std::int32_t layer = begin; layer < end; ++layer) {
+    const Point3& own = prism.centre;
+    double sum =
+        layer > 0 ? penalty.inner(prism.faces[0], own, below) : penalty.outer(prism.faces[0], own);
+    for (std::size_t i = 0; i < 3; ++i)
+      sum += around.has_beyond(i, layer)
+                 ? penalty.inner(prism.faces[2 + i], own, around.centre_beyond(i, layer))
+                 : penalty.outer(prism.faces[2 + i], own);
+    if (layer + 1 == stack.count()) {
+      use(layer, sum + penalty.outer(prism.faces[1], own));
+      return;
+    }
+    const Prism above = stack.prism(layer + 1);
+    use(layer, sum + penalty.inner(prism.faces[1], own, above.centre));
+    below = own;
+    prism = above;
+  }
 }
 
 struct FreeNode {
@@ -73,15 +91,12 @@ struct FreeNode {
 };
 
 /// Those of faults, and next to them in their columns.
-std::vector<FreeNode> nodes_of_faults(const ColumnMesh& mesh, const PrismAims& aims) {
-  const auto prism_of = [&](TriangleIndex t, std::int32_t layer) {
-    return prism_at(mesh, t, layer);
-  };
+std::vector<FreeNode> nodes_of_faults(const ColumnMesh& mesh, const Penalty& penalty) {
   std::vector<std::vector<FreeNode>> found(mesh.triangle_count());
   parallel_chunks(mesh.triangle_count(), 1024, [&](std::size_t begin, std::size_t end) {
-    for (const TriangleIndex t : indices<TriangleIndex>(begin, end))
-      for (std::int32_t layer = 0; layer < prism_count(mesh, t); ++layer) {
-        if (!(penalty(mesh, t, layer, aims, prism_of) > 0)) continue;
+    for (const TriangleIndex t : indices<TriangleIndex>(begin, end)) {
+      const auto add = [&](std::int32_t layer, double sum) {
+        if (!(sum > 0)) return;
         for (const VertexIndex v : mesh.ground.triangles[t]) {
           const std::int64_t below = mesh.floor_over(t, v) - mesh.first[v] + layer -
                                      (mesh.has_layers(t) ? mesh.layers.count : 0);
@@ -95,7 +110,9 @@ std::vector<FreeNode> nodes_of_faults(const ColumnMesh& mesh, const PrismAims& a
             found[t].push_back({v, mesh.first[v] + at, last});
           }
         }
-      }
+      };
+      for_each_penalty(PrismSurroundings(mesh, t), 0, prism_count(mesh, t), penalty, add);
+    }
   });
   std::vector<FreeNode> nodes;
   for (const auto& own : found) nodes.insert(nodes.end(), own.begin(), own.end());
@@ -105,74 +122,53 @@ std::vector<FreeNode> nodes_of_faults(const ColumnMesh& mesh, const PrismAims& a
 
 class Improving {
  public:
-  Improving(ColumnMesh& mesh, const PrismAims& aims) : mesh_(mesh), before_(mesh.z), aims_(aims) {}
+  Improving(ColumnMesh& mesh, const Penalty& penalty)
+      : mesh_(mesh), before_(mesh.z), penalty_(penalty) {}
 
   /// Whether a step was found that helps.
   bool move(std::span<const TriangleIndex> around, const FreeNode& node) {
-    known_.clear();
-    if (!(penalty_around(around, node, 1) > 0)) return false;
-    if (move(around, node, 1)) return true;
+    stacks_.clear();
+    for (const TriangleIndex t : around)
+      stacks_.push_back({{mesh_, t},
+                         static_cast<std::int32_t>(node.node - mesh_.floor_over(t, node.vertex)) +
+                             (mesh_.has_layers(t) ? mesh_.layers.count : 0)});
+    if (!(penalty_around(1) > 0)) return false;
+    if (move(node, 1)) return true;
     const std::int64_t followers = std::min(node.end - node.node, kMostFollowers);
-    return followers > 1 && move(around, node, followers);
+    return followers > 1 && move(node, followers);
   }
 
  private:
-  /// Of the prisms that have one of `count` nodes from this one on.
-  double penalty_around(std::span<const TriangleIndex> around, const FreeNode& node,
-                        std::int64_t count);
-  const Prism& prism_of(TriangleIndex t, std::int32_t layer);
-  void forget(std::span<const TriangleIndex> triangles);
-  bool move(std::span<const TriangleIndex> around, const FreeNode& node, std::int64_t count);
+  /// Of the prisms that have one of `count` nodes from the one at hand on.
+  double penalty_around(std::int64_t count) const;
+  bool move(const FreeNode& node, std::int64_t count);
   /// Of the segment above node n until it is as short as it may become, metres.
   double spare(NodeIndex n) const {
     return mesh_.z[n + 1] - mesh_.z[n] - kLeastShare * (before_[n + 1] - before_[n]);
   }
 
+  struct Stack {
+    PrismSurroundings prisms;
+    std::int32_t above;  ///< The first prism above the node at hand.
+  };
+
   ColumnMesh& mesh_;
   const std::vector<double> before_;
-  const PrismAims& aims_;
-  /// Prisms around the node at hand: each has a part in the faces of five others.
-  struct Known {
-    TriangleIndex triangle;
-    std::vector<std::pair<std::int32_t, Prism>> prisms;  ///< By layer.
-  };
-  std::vector<Known> known_;
+  const Penalty& penalty_;
+  std::vector<Stack> stacks_;  ///< Around the node at hand.
 };
 
-/// Valid until the next call.
-const Prism& Improving::prism_of(TriangleIndex t, std::int32_t layer) {
-  auto known =
-      std::find_if(known_.begin(), known_.end(), [&](const Known& k) { return k.triangle == t; });
-  if (known == known_.end()) known = known_.insert(known, {t, {}});
-  for (const auto& [at, prism] : known->prisms)
-    if (at == layer) return prism;
-  return known->prisms.emplace_back(layer, prism_at(mesh_, t, layer)).second;
-}
-
-void Improving::forget(std::span<const TriangleIndex> triangles) {
-  for (Known& known : known_)
-    if (is_among(known.triangle, triangles)) known.prisms.clear();
-}
-
-double Improving::penalty_around(std::span<const TriangleIndex> around, const FreeNode& node,
-                                 std::int64_t count) {
-  const auto prism = [&](TriangleIndex t, std::int32_t layer) -> const Prism& {
-    return prism_of(t, layer);
-  };
+double Improving::penalty_around(std::int64_t count) const {
   double sum = 0;
-  for (const TriangleIndex t : around) {
-    const auto above = static_cast<std::int32_t>(node.node - mesh_.floor_over(t, node.vertex)) +
-                       (mesh_.has_layers(t) ? mesh_.layers.count : 0);
-    const auto end = std::min<std::int64_t>(above + count, prism_count(mesh_, t));
-    for (std::int32_t layer = std::max(above - 1, 0); layer < end; ++layer)
-      sum += penalty(mesh_, t, layer, aims_, prism);
-  }
+  for (const Stack& stack : stacks_)
+    for_each_penalty(stack.prisms, std::max(stack.above - 1, 0),
+                     stack.above + static_cast<std::int32_t>(count), penalty_,
+                     [&](std::int32_t, double own) { sum += own; });
   return sum;
 }
 
-bool Improving::move(std::span<const TriangleIndex> around, const FreeNode& node,
-                     std::int64_t count) {
-  const double before = penalty_around(around, node, count);
+bool Improving::move(const FreeNode& node, std::int64_t count) {
+  const double before = penalty_around(count);
   std::array<double, kMostFollowers> was{}, share{};
   double up = kInfinity;
   for (std::int64_t i = 0; i < count; ++i) {
@@ -187,13 +183,12 @@ bool Improving::move(std::span<const TriangleIndex> around, const FreeNode& node
       const auto at = static_cast<std::size_t>(i);
       mesh_.z[node.node + i] = was[at] + by * share[at];
     }
-    forget(around);
   };
   for (const double step : kSteps) {
     const double room = step > 0 ? up : down;
     if (!(room > 0)) continue;
     shift(step * room);
-    if (penalty_around(around, node, count) < 0.995 * before) return true;
+    if (penalty_around(count) < 0.995 * before) return true;
   }
   shift(0);
   return false;
@@ -202,8 +197,9 @@ bool Improving::move(std::span<const TriangleIndex> around, const FreeNode& node
 }  // namespace
 
 std::int64_t improve_prisms(ColumnMesh& mesh, const PrismAims& aims) {
-  const std::vector<FreeNode> nodes = nodes_of_faults(mesh, aims);
-  Improving improving(mesh, aims);
+  const Penalty penalty(aims);
+  const std::vector<FreeNode> nodes = nodes_of_faults(mesh, penalty);
+  Improving improving(mesh, penalty);
   std::vector<int> moved_in(mesh.vertex_count(), 0);  // per vertex, the last round; 0: never
   bool again = true;
   for (int round = 1; again && round <= kMostRounds; ++round) {

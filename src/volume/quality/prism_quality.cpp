@@ -93,30 +93,27 @@ Point3 lowest_tet(const ColumnMesh& mesh, TriangleIndex t) {
 }
 
 void add_over(const ColumnMesh& mesh, TriangleIndex t, Sums& sums) {
-  const std::int32_t count = prism_count(mesh, t);
-  if (count == 0) return;
-  Prism prism = prism_at(mesh, t, 0);
+  const PrismSurroundings around(mesh, t);
+  const PrismStack& stack = around.stack();
+  if (stack.count() == 0) return;
+  Prism prism = stack.prism(0);
   sums.add_outer(prism.faces[0], prism.centre);
-  for (std::int32_t k = 0; k < count; ++k) {
+  for (std::int32_t k = 0; k < stack.count(); ++k) {
     sums.add(prism);
     for (std::size_t i = 0; i < 3; ++i) {
-      const TriangleIndex other = triangle_beyond(mesh, t, i);
-      const bool has_prisms = other != kNoTriangle && prism_count(mesh, other) > 0;
-      const std::int32_t beside =
-          has_prisms ? k + prisms_above(mesh, t, other, mesh.ground.triangles[t][i]) : -1;
-      if (beside < 0)
+      if (!around.has_beyond(i, k))
         sums.add_outer(prism.faces[2 + i], prism.centre);
-      else if (other > t)
-        sums.add_inner(prism.faces[2 + i], prism.centre, prism_at(mesh, other, beside).centre);
+      else if (around.triangle_beyond(i) > t)
+        sums.add_inner(prism.faces[2 + i], prism.centre, around.centre_beyond(i, k));
     }
-    if (k + 1 == count) {
+    if (k + 1 == stack.count()) {
       if (mesh.layers.whole)
         sums.add_outer(prism.faces[1], prism.centre);
       else
         sums.add_inner(prism.faces[1], prism.centre, lowest_tet(mesh, t));
       break;
     }
-    const Prism above = prism_at(mesh, t, k + 1);
+    const Prism above = stack.prism(k + 1);
     sums.add_inner(prism.faces[1], prism.centre, above.centre);
     prism = above;
   }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/volume/column/column_mesh.h"
@@ -29,11 +30,53 @@ struct Prism {
 /// Corners of the lower and of the upper face, each above the other, counter-clockwise from above.
 Prism prism_between(const std::array<Point3, 3>& low, const std::array<Point3, 3>& high);
 
-/// Prism `layer` of the stack over triangle t.
-Prism prism_at(const ColumnMesh& mesh, TriangleIndex t, std::int32_t layer);
+/// The prisms over a triangle of a mesh, from the ground up, as its nodes are when they are asked
+/// for. The mesh stays where it is.
+class PrismStack {
+ public:
+  PrismStack(const ColumnMesh& mesh, TriangleIndex t);
+  std::int32_t count() const { return count_; }
+  /// Precondition: 0 <= layer < count().
+  Prism prism(std::int32_t layer) const {
+    return prism_between(corners(layer), corners(layer + 1));
+  }
+  Point3 centre(std::int32_t layer) const;
 
-/// The triangle beyond the side from corner i to the next; kNoTriangle on the rim.
-TriangleIndex triangle_beyond(const ColumnMesh& mesh, TriangleIndex t, std::size_t i);
+ private:
+  std::array<Point3, 3> corners(std::int32_t level) const;
+
+  const ColumnMesh* mesh_;
+  std::int32_t count_;
+  std::int32_t layers_;  ///< Of them, below the columns.
+  std::array<Point2, 3> at_{};
+  std::array<NodeIndex, 3> layer_node_{}, floor_{};
+};
+
+/// The same with the stacks beyond its sides.
+class PrismSurroundings {
+ public:
+  PrismSurroundings(const ColumnMesh& mesh, TriangleIndex t);
+  const PrismStack& stack() const { return stack_; }
+  /// Whether a prism is beyond the side from corner i to the next of prism `layer`.
+  bool has_beyond(std::size_t i, std::int32_t layer) const {
+    const std::int32_t beside = layer + beyond_[i].above;
+    return beyond_[i].stack && beside >= 0 && beside < beyond_[i].stack->count();
+  }
+  /// Precondition of these two: has_beyond(i, layer).
+  TriangleIndex triangle_beyond(std::size_t i) const { return beyond_[i].triangle; }
+  Point3 centre_beyond(std::size_t i, std::int32_t layer) const {
+    return beyond_[i].stack->centre(layer + beyond_[i].above);
+  }
+
+ private:
+  struct Beyond {
+    TriangleIndex triangle = kNoTriangle;
+    std::int32_t above = 0;  ///< Its prism k + above is beside prism k.
+    std::optional<PrismStack> stack;
+  };
+  PrismStack stack_;
+  std::array<Beyond, 3> beyond_;
+};
 
 /// Cosine of the angle between a face's area and the line between the centres of the cells at it;
 /// the area leaves the first.
