@@ -116,9 +116,15 @@ void drop_ground_outliers(CityInput& input, StepClock& clock, InputFacts& facts,
 }
 
 /// Names the file, which the terrain does not know.
-void require_ground(const PointsInput& points) {
+void require_ground(const CityInput& input) {
+  const PointsInput& points = input.points;
   const auto& codes = points.points.classification;
   if (std::any_of(codes.begin(), codes.end(), is_ground)) return;
+  if (input.has_surface)
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: nothing in this surface is known as ground; give the terrain, "
+                            "too, as `dtm`, or find the ground with ground_filter = auto",
+                            points.source));
   std::vector<std::string> parts;
   for (const auto& [code, count] : points.points_by_class)
     parts.push_back(fmt::format("class {} ({} points)", code, count));
@@ -166,7 +172,7 @@ void find_ground(const BuildCityOptions& options, CityInput& input, StepClock& c
   else if (!files.empty() && options.ground_filter == GroundFilter::kAuto)
     run_filter(options.filter, input, files, clock, facts, warnings);
   drop_ground_outliers(input, clock, facts, warnings);
-  require_ground(input.points);
+  require_ground(input);
   if (input.has_surface) class_surface(input.points.points);
 }
 

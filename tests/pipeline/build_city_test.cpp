@@ -53,6 +53,22 @@ std::string refusal_of(CitySources sources) {
   return testing::error_of([&] { build_city(std::move(sources)); }, ErrorKind::kInput);
 }
 
+TEST(BuildCity, ASurfaceWithoutGroundIsNoCloudToClassify) {
+  CitySources sources = houses();
+  sources.terrain.reset();
+  sources.has_surface = true;
+  sources.points.source = "dsm.tif";
+  for (int x = 0; x < 140; ++x)
+    for (int y = 0; y < 80; ++y) sources.points.points.push_back(x, y, 3, kUnclassified);
+  sources.points.extent = {0, 0, 139, 79};
+  sources.points.points_by_class[kUnclassified] = 140 * 80;
+  EXPECT_NO_THROW(build_city(sources));
+  const auto build = [&] { build_city(sources, {.ground_filter = GroundFilter::kNever}); };
+  EXPECT_EQ(testing::error_of(build, ErrorKind::kInput),
+            "dsm.tif: nothing in this surface is known as ground; give the terrain, too, as `dtm`, "
+            "or find the ground with ground_filter = auto");
+}
+
 TEST(BuildCity, RefusesIdsThatDoNotTellFeaturesApart) {
   CitySources sources = houses();
   sources.footprints.features[1].source_id = "40";
