@@ -485,7 +485,8 @@ void measure(const MeshCityOptions& options, const CityModel& city, MeshQuality 
     }
   });
   warn_of_prisms(result.volume_facts.prisms, result.warnings);
-  if (!result.volume.layers.whole) warn_below_floor(options, quality, result.warnings);
+  if (!result.volume.layers.whole)
+    warn_below_floor(options, result.ground_facts.size_scale, quality, result.warnings);
   tell_quality(result.volume, std::move(quality), result.volume_facts);
 }
 

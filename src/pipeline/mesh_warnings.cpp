@@ -21,8 +21,8 @@ std::optional<Asked> missed(const MeshQuality& quality) {
   return std::nullopt;
 }
 
-/// The settings that alone make bad cells, if there are any.
-std::string unusual_settings(const MeshCityOptions& options) {
+/// The settings that alone make bad cells, if there are any. `scale`: of the mesh size given.
+std::string unusual_settings(const MeshCityOptions& options, double scale) {
   std::string text;
   if (options.layering == Layering::kUniform) text += "; layering = \"graded\" gives better ones";
   if (options.min_angle_deg < 20)
@@ -31,8 +31,12 @@ std::string unusual_settings(const MeshCityOptions& options) {
   // Graded layers take a large height as an upper limit only.
   const bool tall = share > 2 && options.layering == Layering::kUniform;
   if (options.layer_height > 0 && (share < 0.5 || tall))
-    text += fmt::format("; layer_height {:g} is far from mesh_size {:g}", options.layer_height,
-                        options.mesh_size);
+    text += fmt::format(
+        "; layer_height {:g} is far from mesh_size {:.3g}{}; layer_height = 0 follows it",
+        options.layer_height, options.mesh_size,
+        scale == 1 ? ""
+                   : fmt::format(" ({:g}, which target_cells multiplied by {:.3g})",
+                                 options.mesh_size / scale, scale));
   return text;
 }
 
@@ -89,7 +93,7 @@ void warn_of_prisms(const PrismQuality& prisms, std::vector<Warning>& warnings) 
                      prisms.max_skewness, kMostSkewed)});
 }
 
-void warn_below_floor(const MeshCityOptions& options, const MeshQuality& quality,
+void warn_below_floor(const MeshCityOptions& options, double scale, const MeshQuality& quality,
                       std::vector<Warning>& warnings) {
   const std::optional<Asked> asked = missed(quality);
   if (const double skewness = quality.faces.worst.skewness; skewness >= kMostSkewed)
@@ -109,7 +113,7 @@ void warn_below_floor(const MeshCityOptions& options, const MeshQuality& quality
              "worst_cells in the report has the worst and why{}",
              bad, bounds.least, bounds.greatest, angles.min_dihedral_deg(),
              angles.max_dihedral_deg(), kQualityFloor.least, kQualityFloor.greatest, kLeastOfMost,
-             unusual_settings(options))});
+             unusual_settings(options, scale))});
   if (quality.faces.above_70 > 0)
     warnings.push_back(
         {"faces_non_orthogonal", quality.faces.above_70,
@@ -118,7 +122,7 @@ void warn_below_floor(const MeshCityOptions& options, const MeshQuality& quality
              "{:.2f}), at steep ground, buried roofs or, in uniform layers, low walls; a smaller "
              "mesh_size may help{}",
              quality.faces.above_70, kMostNonOrthogonal, quality.faces.worst.non_orthogonality_deg,
-             unusual_settings(options))});
+             unusual_settings(options, scale))});
 }
 
 }  // namespace tetropolis

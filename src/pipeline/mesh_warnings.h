@@ -20,8 +20,8 @@ void warn_of_canopies(const CellZones& zones, std::vector<Warning>& warnings);
 /// Warns of faces of prisms that are too slanting for many solvers.
 void warn_of_prisms(const PrismQuality& prisms, std::vector<Warning>& warnings);
 
-/// Warns of cells and faces below the floor of quality.
-void warn_below_floor(const MeshCityOptions& options, const MeshQuality& quality,
+/// Warns of cells and faces below the floor of quality. `scale`: GroundMeshFacts::size_scale.
+void warn_below_floor(const MeshCityOptions& options, double scale, const MeshQuality& quality,
                       std::vector<Warning>& warnings);
 
 }  // namespace tetropolis

@@ -1,12 +1,14 @@
 // What mesh_city refuses before it meshes.
 #include "tetropolis/pipeline/mesh_city.h"
 
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "tetropolis/core/error.h"
@@ -76,6 +78,29 @@ TEST(MeshCity, RefusesOptionsOutOfRange) {
         [&, &options = options] { mesh_city(city, small.dtm, options); }, ErrorKind::kUsage);
     EXPECT_TRUE(message.starts_with(words)) << words << " | " << message;
   }
+}
+
+TEST(MeshCity, TellsWhereTheMeshSizeOfALayerHeightComesFrom) {
+  const testing::SmallCity small = level_city();
+  MeshCityOptions options;
+  options.layering = Layering::kUniform;
+  options.layer_height = 2;
+  const auto layer_height_of = [&] {
+    const CityMesh mesh = mesh_city(testing::city_model(small), small.dtm, options);
+    for (const Warning& warning : mesh.warnings)
+      if (const auto at = warning.message.find("layer_height"); at != std::string::npos)
+        return std::pair(warning.message.substr(at), mesh.ground_facts.size_scale);
+    return std::pair(std::string{}, 0.0);
+  };
+  const auto [given, one] = layer_height_of();
+  EXPECT_EQ(given, "layer_height 2 is far from mesh_size 10; layer_height = 0 follows it");
+  options.target_cells = 60000;
+  const auto [sought, scale] = layer_height_of();
+  EXPECT_GT(std::abs(scale - 1), 0.1);
+  EXPECT_EQ(sought,
+            fmt::format("layer_height 2 is far from mesh_size {:.3g} (10, which target_cells "
+                        "multiplied by {:.3g}); layer_height = 0 follows it",
+                        10 * scale, scale));
 }
 
 using EditRaster = std::function<void(Raster&)>;
