@@ -81,8 +81,9 @@ void warn_of_prisms(const PrismQuality& prisms, std::vector<Warning>& warnings) 
     warnings.push_back(
         {"prisms_sheared", prisms.above_70,
          fmt::format(
-             "{} faces of prisms are more than 70 degrees non-orthogonal ({:.1f} at most): the "
-             "ground is as steep there; a lower cut_slope, or fewer boundary_layers",
+             "{} faces of prisms are more than 70 degrees non-orthogonal ({:.1f} at most), on "
+             "steep ground or at walls; a lower cut_slope or layer_growth, or fewer "
+             "boundary_layers may help",
              prisms.above_70, prisms.max_non_orthogonality_deg)});
   if (prisms.max_skewness >= kMostSkewed)
     warnings.push_back(

@@ -161,6 +161,23 @@ TEST(Prisms, AreNoTallerThanTheFlattestTriangleAllows) {
   EXPECT_LT(prisms.max_aspect_ratio, 60);
 }
 
+/// Layers that grow fast are higher than walls, beside which the prisms above them slant.
+TEST(Prisms, ShearedAtWallsAreNotBlamedOnTheGround) {
+  MeshCityOptions options;
+  options.cells = Cells::kPrisms;
+  options.boundary_layers = {5, 0.5, 2.5};
+  const testing::SmallCity level = testing::small_city([](double, double) { return 2.0; });
+  const CityMesh mesh = mesh_city(testing::city_model(level), level.dtm, options);
+  ASSERT_GT(mesh.volume_facts.prisms.above_70, 0);
+  std::string told;
+  for (const Warning& warning : mesh.warnings)
+    if (warning.code == "prisms_sheared") told = warning.message;
+  EXPECT_NE(told.find("on steep ground or at walls"), std::string::npos) << told;
+  options.boundary_layers.growth = 1.2;
+  EXPECT_EQ(mesh_city(testing::city_model(level), level.dtm, options).volume_facts.prisms.above_70,
+            0);
+}
+
 TEST(Prisms, NeedAFlatTop) {
   MeshCityOptions options;
   options.cells = Cells::kPrisms;
