@@ -862,6 +862,10 @@ TEST_F(Cli, ADatabaseThatProjCannotUseIsNamedAsTheReason) {
   EXPECT_NE(checked.err.find("proj.db"), std::string::npos) << checked.err;
 }
 
+/// For a shell: until the program `$pid` writes, or has ended.
+const std::string kUntilItWrites =
+    "while kill -0 $pid && ! ls -d .result.part-* >/dev/null 2>&1; do sleep 0.01; done; ";
+
 TEST_F(Cli, AnIgnoredHangupDoesNotEndTheRun) {
   synth("--buildings 20 --size 250");
   for (const bool ignored : {true, false}) {
@@ -869,8 +873,8 @@ TEST_F(Cli, AnIgnoredHangupDoesNotEndTheRun) {
         shell(std::string("{ ") + (ignored ? "trap '' HUP; " : "") +
               "'" TETROPOLIS_PROGRAM
               "' build --quiet --mesh-size 3 --footprints input/footprints.shp --points input "
-              "--out result & pid=$!; while ! ls -d .result.part-* >/dev/null 2>&1; do sleep 0.01; "
-              "done; kill -HUP $pid; wait $pid; }");
+              "--out result & pid=$!; " +
+              kUntilItWrites + "kill -HUP $pid; wait $pid; }");
     EXPECT_EQ(outcome.code, ignored ? 0 : 130) << outcome.err;
     EXPECT_EQ(fs::exists(scratch / "result"), ignored);
     fs::remove_all(scratch / "result");
@@ -1178,12 +1182,12 @@ TEST_F(Cli, InterruptEndsTheRunAndLeavesNothing) {
   synth("--buildings 3000 --size 2500 --point-density 0.5");
   for (const double seconds : {0.0, 0.4, 1.0}) {
     // The signal is sent once the run has begun to write: before that a shell's child ignores it.
-    const Outcome outcome =
-        shell("{ '" TETROPOLIS_PROGRAM
-              "' build --quiet --mesh-size 3 --footprints input/footprints.shp --points input "
-              "--out result & "
-              "pid=$!; while ! ls -d .result.part-* >/dev/null 2>&1; do sleep 0.02; done; sleep " +
-              std::to_string(seconds) + "; kill -INT $pid; wait $pid; }");
+    const Outcome outcome = shell(
+        "{ '" TETROPOLIS_PROGRAM
+        "' build --quiet --mesh-size 3 --footprints input/footprints.shp --points input "
+        "--out result & "
+        "pid=$!; " +
+        kUntilItWrites + "sleep " + std::to_string(seconds) + "; kill -INT $pid; wait $pid; }");
     EXPECT_EQ(outcome.code, 130) << seconds;
     EXPECT_EQ(outcome.err, "tetropolis: interrupted; nothing was written\n");
     EXPECT_EQ(left(), (std::set<std::string>{"input"})) << seconds;
