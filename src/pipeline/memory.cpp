@@ -4,11 +4,14 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "tetropolis/core/error.h"
 #include "tetropolis/core/system_memory.h"
+#include "tetropolis/geometry/polygon.h"
 
 #include "make_columns.h"
 
@@ -37,8 +40,15 @@ constexpr double kPerSyntheticPoint = 26;
 /// Of the solver, with uniform layers (uniform.peak_bytes_per_node in tests/work/limits.txt).
 constexpr double kPerSolverNode = 100;
 
-/// How far estimate_mesh may be off; and how far, if it is corrected by what is known at one mesh
-/// size, at another.
+/// Triangles that a corner of a footprint brings, on the cities of bench/.
+constexpr double kPerCorner = 7;
+/// At most, with the walls between corners: 9 to 26 of them measured on Delft and Amsterdam at 30
+/// to 2 m, whose columns are those of triangles of 8 m or less.
+constexpr double kMostPerCorner = 24, kPerCornerAlone = 12, kPerMetresOfSize = 96;
+constexpr double kMostAtCorners = 8;
+
+/// How far estimate_at_most may be off; and how far, if it is corrected by what is known at one
+/// mesh size, at another.
 constexpr double kEstimateError = 4.0 / 3;
 constexpr double kScalingError = 1.1;
 
@@ -80,25 +90,6 @@ struct Correction {
   double bytes, cells;
 };
 
-/// Throws what `begin` says, and the least mesh size that fits.
-[[noreturn]] void refuse(const MeshCityOptions& options, const CitySize& city,
-                         const Correction& correction, const std::string& begin) {
-  const double fixed = bytes_without_mesh(options, city);
-  MeshCityOptions coarse = options;
-  constexpr double kCoarsest = 1e4;  // as the setting allows
-  while (coarse.mesh_size < kCoarsest) {
-    // A fiftieth more, rounded up to the next five centimetres.
-    coarse.mesh_size = std::min(std::ceil(1.02 * coarse.mesh_size * 20) / 20, kCoarsest);
-    const MeshEstimate fits = estimate_mesh(coarse, city);
-    if (fixed + correction.bytes * (fits.bytes - fixed) > options.max_bytes) continue;
-    throw MeshTooLarge(fmt::format("{}; about {:.2g} cells fit, with mesh_size {:.2f}", begin,
-                                   correction.cells * fits.cells, coarse.mesh_size));
-  }
-  throw MeshTooLarge(begin +
-                     "; no mesh size fits: raise max_memory or layer_height, or lower "
-                     "`bounds` or domain_height");
-}
-
 /// Segments of a column over triangles with edges of length h, or as many as its cells come to.
 double layers_over(const MeshCityOptions& options, const CitySize& city, double h) {
   double spacing = 0.7 * h;
@@ -126,15 +117,70 @@ MeshEstimate estimate_graded(const MeshCityOptions& options, const CitySize& cit
                                      : scale * size;
     add(area / (0.4 * h * h), h);
   }
-  add(7 * city.footprint_vertices, options.mesh_size);
+  add(kPerCorner * city.footprint_vertices, options.mesh_size);
   estimate.bytes = bytes_of(options, estimate.triangles, estimate.cells, city.terrain_nodes);
   return estimate;
+}
+
+/// With as many triangles at walls as real cities have, and in buildings, where edges do not grow.
+MeshEstimate estimate_at_most(const MeshCityOptions& options, const CitySize& city) {
+  MeshEstimate estimate = estimate_mesh(options, city);
+  const double h = options.mesh_size;
+  const auto add = [&](double triangles, double edge) {
+    estimate.triangles += triangles;
+    estimate.cells += 3 * triangles * layers_over(options, city, edge);
+  };
+  if (!city.sizes.empty()) add(city.footprint_area / (0.4 * h * h), h);
+  if (options.layering != Layering::kUniform) {
+    const double most = std::min(kPerCornerAlone + kPerMetresOfSize / h, kMostPerCorner);
+    add((most - kPerCorner) * city.footprint_vertices, std::min(h, kMostAtCorners));
+  }
+  estimate.bytes = bytes_of(options, estimate.triangles, estimate.cells, city.terrain_nodes);
+  return estimate;
+}
+
+/// Throws what `begin` says, and the least mesh size that fits: other sizes stay as they are given.
+[[noreturn]] void refuse(const MeshCityOptions& options, const CitySize& city,
+                         const Correction& correction, const std::string& begin) {
+  const SizeGrading& grading = options.grading;
+  const double fixed = bytes_without_mesh(options, city);
+  const auto estimate_at = [&](double mesh_size) {
+    MeshCityOptions with = options;
+    with.mesh_size = mesh_size;
+    CitySize size = city;
+    size.mesh_size = mesh_size;
+    if (city.sizes_with) size.sizes = city.sizes_with(with);
+    return estimate_at_most(with, size);
+  };
+  const auto fits = [&](double mesh_size) {
+    return fixed + correction.bytes * (estimate_at(mesh_size).bytes - fixed) <= options.max_bytes;
+  };
+  constexpr double kCoarsest = 1e4;  // as the setting allows
+  double fine = options.mesh_size, coarse = grading.far_size > 0 ? grading.far_size : kCoarsest;
+  if (coarse <= fine || !fits(coarse)) {
+    std::vector<std::string> raise{"max_memory", "layer_height"};
+    if (grading.far_size > 0) raise.push_back("far_size");
+    if (grading.ground_size > 0) raise.push_back("ground_size");
+    if (!grading.regions.empty()) raise.push_back("the sizes of `refine`");
+    throw MeshTooLarge(
+        fmt::format("{}; no mesh size is sure to fit: raise {}, or lower `bounds` or domain_height",
+                    begin, fmt::join(raise, ", ")));
+  }
+  const double coarsest = coarse;
+  while (coarse > 1.02 * fine) {
+    const double middle = std::sqrt(fine * coarse);
+    (fits(middle) ? coarse : fine) = middle;
+  }
+  coarse = std::min(std::ceil(coarse * 20) / 20, coarsest);  // in steps of five centimetres
+  throw MeshTooLarge(fmt::format("{}; about {:.2g} cells fit, with mesh_size {:.2f}", begin,
+                                 correction.cells * estimate_at(coarse).cells, coarse));
 }
 
 }  // namespace
 
 void CitySize::add(const Polygon& footprint) {
   footprint_vertices += static_cast<double>(footprint.outer.size());
+  footprint_area += tetropolis::area(footprint);
   for (const Ring& hole : footprint.holes) footprint_vertices += static_cast<double>(hole.size());
 }
 
@@ -144,7 +190,7 @@ MeshEstimate estimate_mesh(const MeshCityOptions& options, const CitySize& city)
   MeshEstimate estimate;
   if (!city.sizes.empty()) return estimate_graded(options, city);
   const double h = options.mesh_size;
-  estimate.triangles = city.area / (0.4 * h * h) + 7 * city.footprint_vertices;
+  estimate.triangles = city.area / (0.4 * h * h) + kPerCorner * city.footprint_vertices;
   estimate.cells = 3 * estimate.triangles * layers_over(options, city, h);
   estimate.bytes = bytes_of(options, estimate.triangles, estimate.cells, city.terrain_nodes);
   return estimate;
@@ -165,8 +211,8 @@ void require_cells_fit(const MeshCityOptions& options, const CitySize& city, dou
   if (ends_at_lid(options)) cells += kCellsAboveLid * triangles;
   const double bytes = bytes_of(options, triangles, cells, city.terrain_nodes);
   if (bytes <= limit) return;
-  const MeshEstimate estimate = estimate_mesh(options, city);
   const double fixed = bytes_without_mesh(options, city);
+  const MeshEstimate estimate = estimate_at_most(options, city);
   refuse(options, city,
          {kScalingError * (bytes - fixed) / (estimate.bytes - fixed), cells / estimate.cells},
          fmt::format("the mesh would have {:.3g} cells and need {} of {}", cells, in_words(bytes),

@@ -1,6 +1,7 @@
 // How much memory points and meshes will need, told before the work. Bytes, of the whole process.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,15 +12,20 @@
 
 namespace tetropolis {
 
+/// Pairs of longest edge and area, square metres.
+using AreasBySize = std::vector<std::pair<double, double>>;
+
 /// What is known of a city before it is meshed.
 struct CitySize {
   double area = 0;                ///< Of the domain, square metres.
   double footprint_vertices = 0;  ///< Of all rings.
+  double footprint_area = 0;      ///< Square metres.
   double height = 0;              ///< Of the domain over its mean ground, metres.
   double terrain_nodes = 0;
-  /// Of a graded mesh: pairs of longest edge and area, square metres, at `mesh_size`.
-  std::vector<std::pair<double, double>> sizes = {};
+  AreasBySize sizes = {};  ///< Of a graded mesh, at `mesh_size`.
   double mesh_size = 0;
+  /// The same for other options; empty where no mesh is graded.
+  std::function<AreasBySize(const MeshCityOptions&)> sizes_with = {};
 
   void add(const Polygon& footprint);
 };
@@ -45,7 +51,7 @@ class MeshTooLarge : public Error {
 };
 
 /// Throws MeshTooLarge that tells cells, memory, and a mesh size that fits even if the estimate is
-/// a third too low, unless estimate_mesh is within options.max_bytes.
+/// too low, or the settings that leave none, unless estimate_mesh is within options.max_bytes.
 void require_mesh_fits(const MeshCityOptions& options, const CitySize& city);
 
 /// The same for counts that are known by now. `cells`: of columns, up to the lid if they end there.

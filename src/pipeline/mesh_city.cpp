@@ -91,16 +91,19 @@ CitySize size_of(const MeshCityOptions& options, const CityModel& city, const Ra
   size.height = highest_under(dtm, city.domain.bounds()) + options.domain_height -
                 sum / static_cast<double>(dtm.values.size());
   size.terrain_nodes = static_cast<double>(dtm.values.size());
-  if (is_graded(options.mesh_size, options.grading)) {
-    std::vector<const Polygon*> footprints;
-    for (const Building& building : city.buildings) footprints.push_back(&building.footprint);
-    size.mesh_size = options.mesh_size;
-    const Bounds2& box = city.domain.bounds();
-    size.sizes = graded_sizes(footprints, box, options.mesh_size, options.grading).sizes();
-    // Of the box, which a turned domain does not fill.
-    const double share = size.area / (box.width() * box.height());
-    for (auto& [edge, area] : size.sizes) area *= share;
-  }
+  const Bounds2 box = city.domain.bounds();
+  // Of the box, which a turned domain does not fill.
+  const double share = size.area / (box.width() * box.height());
+  std::vector<const Polygon*> footprints;
+  for (const Building& building : city.buildings) footprints.push_back(&building.footprint);
+  size.sizes_with = [footprints = std::move(footprints), box, share](const MeshCityOptions& with) {
+    if (!is_graded(with.mesh_size, with.grading)) return AreasBySize{};
+    AreasBySize sizes = graded_sizes(footprints, box, with.mesh_size, with.grading).sizes();
+    for (auto& [edge, area] : sizes) area *= share;
+    return sizes;
+  };
+  size.sizes = size.sizes_with(options);
+  size.mesh_size = options.mesh_size;
   return size;
 }
 

@@ -163,7 +163,8 @@ void require_fits(const Config& config, const FootprintsInput& footprints, doubl
   size.height = config.domain_height > 0 ? config.domain_height : MeshCityOptions{}.domain_height;
   size.terrain_nodes = area / (config.dtm_step * config.dtm_step);
   require_points_fit({points, size.terrain_nodes, config.ground_margin}, memory_limit(config));
-  if (next != Next::kMesh) return;
+  // Of sizes that differ by place, mesh_city knows more.
+  if (next != Next::kMesh || config.far_size > 0 || !config.refine.empty()) return;
   for (const Footprint& feature : footprints.features) {
     const Ring& outer = feature.polygon.outer;
     if (!feature.is_cleared() && !outer.empty() && box.contains(outer.front()))

@@ -80,6 +80,40 @@ TEST(MeshCity, RefusesOptionsOutOfRange) {
   }
 }
 
+/// What stays as it is, in metres, counts: the second run has the mesh size of the refusal.
+TEST(MeshCity, TheMeshSizeThatARefusalNamesFits) {
+  testing::SmallCity small = level_city();
+  small.domain = {0, 0, 500, 500};
+  small.dtm = testing::raster_of(small.domain, [](double, double) { return 3.0; });
+  const CityModel city = testing::city_model(small);
+  const SizeRegion region{rectangle({1200, 2200, 1400, 2400}), 4};
+  struct Case {
+    SizeGrading grading;
+    double megabytes;
+    std::string advice;  ///< Empty: a mesh size.
+  };
+  const std::vector<Case> cases = {
+      {{.far_size = 8}, 125, ""},
+      {{.far_size = 5}, 92, "raise max_memory, layer_height, far_size, or"},
+      {{.far_size = 40, .ground_size = 3}, 115, ""},
+      {{.regions = {region}}, 150, ""},
+      {{.regions = {region}}, 92, "raise max_memory, layer_height, the sizes of `refine`, or"}};
+  for (const Case& given : cases) {
+    MeshCityOptions options;
+    options.mesh_size = 1;
+    options.grading = given.grading;
+    options.max_bytes = 1e6 * given.megabytes;
+    const auto mesh = [&] { mesh_city(city, small.dtm, options); };
+    const std::string refused = testing::error_of(mesh, ErrorKind::kUsage);
+    const std::string advice = given.advice.empty() ? "with mesh_size " : given.advice;
+    const std::size_t at = refused.find(advice);
+    ASSERT_NE(at, std::string::npos) << advice << " | " << refused;
+    if (!given.advice.empty()) continue;
+    options.mesh_size = std::stod(refused.substr(at + advice.size()));
+    EXPECT_EQ(testing::error_of(mesh), "") << refused;
+  }
+}
+
 TEST(MeshCity, TellsWhereTheMeshSizeOfALayerHeightComesFrom) {
   const testing::SmallCity small = level_city();
   MeshCityOptions options;

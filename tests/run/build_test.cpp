@@ -811,7 +811,7 @@ TEST_F(Build, AbsurdSizesAreRefusedBeforeTheWork) {
   EXPECT_EQ(refused("layers between the mean ground"), "3.3");
   config = good;
   config.layer_height = 1e-9;
-  EXPECT_EQ(refused("no mesh size fits"), "1.2");
+  EXPECT_EQ(refused("no mesh size is sure to fit"), "1.2");
   config = good;
   config.mesh_size = 0.05;  // a thousand million triangles
   EXPECT_EQ(refused("cells fit, with mesh_size"), "1.2");

@@ -157,7 +157,9 @@ TEST_F(Cli, TheMeshSizeThatARefusalNamesFits) {
   const std::string arguments =
       "build --quiet --footprints input/footprints.shp --points input --out result --max-memory ";
   for (const auto& [limit, layering] :
-       {std::pair{125, "graded"}, std::pair{150, "uniform"}, std::pair{300, "graded"}}) {
+       {std::pair{125, "graded"}, std::pair{150, "uniform"}, std::pair{300, "graded"},
+        std::pair{200, "graded --far-size 40 --ground-size 3"},
+        std::pair{250, "graded --refine 100,100,300,300:3"}}) {
     SCOPED_TRACE(limit);
     if (TETROPOLIS_SANITIZED && limit == 300) continue;  // a minute, nothing new
     const std::string limited = arguments + std::to_string(limit) + "M --layering " + layering;
