@@ -89,8 +89,8 @@ void warn_of_prisms(const PrismQuality& prisms, std::vector<Warning>& warnings) 
     warnings.push_back(
         {"prisms_skewed", 1,
          fmt::format("a face of a prism, or more, has a skewness of {:.2f}, where less than {} is "
-                     "meant for all: the ground is steep there; a lower cut_slope, or fewer "
-                     "boundary_layers",
+                     "meant for all, on steep ground or at walls; a lower cut_slope, or fewer "
+                     "boundary_layers may help",
                      prisms.max_skewness, kMostSkewed)});
 }
 

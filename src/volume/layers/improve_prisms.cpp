@@ -139,8 +139,8 @@ class Improving {
   }
 
  private:
-  /// Of the prisms that have one of `count` nodes from the one at hand on.
-  double penalty_around(std::int64_t count) const;
+  /// Of the prisms that have one of `count` nodes from the one at hand on, or `most` or more.
+  double penalty_around(std::int64_t count, double most = kInfinity) const;
   bool move(const FreeNode& node, std::int64_t count);
   /// Of the segment above node n until it is as short as it may become, metres.
   double spare(NodeIndex n) const {
@@ -158,17 +158,17 @@ class Improving {
   std::vector<Stack> stacks_;  ///< Around the node at hand.
 };
 
-double Improving::penalty_around(std::int64_t count) const {
+double Improving::penalty_around(std::int64_t count, double most) const {
   double sum = 0;
-  for (const Stack& stack : stacks_)
-    for_each_penalty(stack.prisms, std::max(stack.above - 1, 0),
-                     stack.above + static_cast<std::int32_t>(count), penalty_,
+  for (auto stack = stacks_.begin(); stack != stacks_.end() && sum < most; ++stack)
+    for_each_penalty(stack->prisms, std::max(stack->above - 1, 0),
+                     stack->above + static_cast<std::int32_t>(count), penalty_,
                      [&](std::int32_t, double own) { sum += own; });
   return sum;
 }
 
 bool Improving::move(const FreeNode& node, std::int64_t count) {
-  const double before = penalty_around(count);
+  const double most = 0.995 * penalty_around(count);
   std::array<double, kMostFollowers> was{}, share{};
   double up = kInfinity;
   for (std::int64_t i = 0; i < count; ++i) {
@@ -188,7 +188,7 @@ bool Improving::move(const FreeNode& node, std::int64_t count) {
     const double room = step > 0 ? up : down;
     if (!(room > 0)) continue;
     shift(step * room);
-    if (penalty_around(count) < 0.995 * before) return true;
+    if (penalty_around(count, most) < most) return true;
   }
   shift(0);
   return false;
