@@ -162,9 +162,11 @@ MeshEstimate estimate_at_most(const MeshCityOptions& options, const CitySize& ci
     if (grading.far_size > 0) raise.push_back("far_size");
     if (grading.ground_size > 0) raise.push_back("ground_size");
     if (!grading.regions.empty()) raise.push_back("the sizes of `refine`");
-    throw MeshTooLarge(
-        fmt::format("{}; no mesh size is sure to fit: raise {}, or lower `bounds` or domain_height",
-                    begin, fmt::join(raise, ", ")));
+    const std::string last = raise.back();
+    raise.pop_back();
+    throw MeshTooLarge(fmt::format(
+        "{}; no mesh size is sure to fit: raise {} or {}, or lower `bounds` or domain_height",
+        begin, fmt::join(raise, ", "), last));
   }
   const double coarsest = coarse;
   while (coarse > 1.02 * fine) {

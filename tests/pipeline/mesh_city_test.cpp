@@ -94,10 +94,10 @@ TEST(MeshCity, TheMeshSizeThatARefusalNamesFits) {
   };
   const std::vector<Case> cases = {
       {{.far_size = 8}, 125, ""},
-      {{.far_size = 5}, 92, "raise max_memory, layer_height, far_size, or"},
+      {{.far_size = 5}, 92, "raise max_memory, layer_height or far_size, or"},
       {{.far_size = 40, .ground_size = 3}, 115, ""},
       {{.regions = {region}}, 150, ""},
-      {{.regions = {region}}, 92, "raise max_memory, layer_height, the sizes of `refine`, or"}};
+      {{.regions = {region}}, 92, "raise max_memory, layer_height or the sizes of `refine`, or"}};
   for (const Case& given : cases) {
     MeshCityOptions options;
     options.mesh_size = 1;
