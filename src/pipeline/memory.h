@@ -24,7 +24,7 @@ struct CitySize {
   double terrain_nodes = 0;
   AreasBySize sizes = {};  ///< Of a graded mesh, at `mesh_size`.
   double mesh_size = 0;
-  /// The same for other options; empty where no mesh is graded.
+  /// Those of other options; empty before there is a city model. Valid as long as that.
   std::function<AreasBySize(const MeshCityOptions&)> sizes_with = {};
 
   void add(const Polygon& footprint);
