@@ -42,7 +42,7 @@ struct Mesh {
   const ColumnMesh& volume() const { return made.mesh.volume; }
 };
 
-Mesh build(const nb::dict& settings, City& city, const nb::object& progress) {
+Mesh build_mesh(const nb::dict& settings, City& city, const nb::object& progress) {
   city.settle();
   const Config config = config_of("build_mesh", settings);
   Mesh mesh;
@@ -294,7 +294,8 @@ void bind_mesh(nb::module_& module) {
       .def("save_surface", save_surface_of, nb::arg("surface"), nb::arg("path"),
            nb::arg("settings"))
       .def("save", save, nb::arg("path"), nb::arg("settings"), nb::arg("progress").none());
-  module.def("build_mesh", build, nb::arg("settings"), nb::arg("city"), nb::arg("progress").none());
+  module.def("build_mesh", build_mesh, nb::arg("settings"), nb::arg("city"),
+             nb::arg("progress").none());
 }
 
 }  // namespace tetropolis::python

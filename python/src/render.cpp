@@ -41,8 +41,8 @@ Enumeration choice_of(const std::string& name, nb::handle value,
   return static_cast<Enumeration>(found - words.begin());
 }
 
-void render(const std::filesystem::path& path, const std::filesystem::path& picture,
-            const nb::dict& keywords) {
+void render_folder(const std::filesystem::path& path, const std::filesystem::path& picture,
+                   const nb::dict& keywords) {
   const RenderOptions options = render_options(keywords);
   const nb::gil_scoped_release release;
   write_png(picture, render_picture(read_render_input(path, options.view), options));
@@ -80,7 +80,7 @@ RenderOptions render_options(const nb::dict& keywords) {
 }
 
 void bind_render(nb::module_& module) {
-  module.def("render", render, nb::arg("path"), nb::arg("picture"), nb::arg("options"));
+  module.def("render", render_folder, nb::arg("path"), nb::arg("picture"), nb::arg("options"));
 }
 
 }  // namespace tetropolis::python

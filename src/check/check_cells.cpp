@@ -16,7 +16,7 @@ namespace tetropolis {
 
 namespace {
 
-constexpr std::size_t kGrain = 16384;
+constexpr std::size_t kTetsPerChunk = 16384;
 
 struct CellShape {
   double volume;
@@ -150,7 +150,7 @@ std::vector<std::uint8_t> measure_cells(const TetMesh& mesh, VolumeCheck& check)
   std::vector<float> tangents(mesh.cells.size()), aspects(mesh.cells.size());
   const double sliver = 1 / std::tan(to_radians(kSliverDihedralDeg));
   const Sums sums = parallel_reduce_ordered(
-      mesh.cells.size(), kGrain, Sums{},
+      mesh.cells.size(), kTetsPerChunk, Sums{},
       [&](std::size_t begin, std::size_t end) {
         Sums part;
         for (std::size_t c = begin; c < end; ++c) {

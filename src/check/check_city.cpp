@@ -31,7 +31,7 @@ double twice_area(const Ring& ring) {
   return sum;
 }
 
-bool is_finite(const Polygon& polygon) {
+bool all_finite(const Polygon& polygon) {
   const auto finite = [](const Ring& ring) {
     return std::all_of(ring.begin(), ring.end(),
                        [](Point2 p) { return std::isfinite(p.x) && std::isfinite(p.y); });
@@ -47,7 +47,7 @@ void check_rings(const CityModel& city, CityCheck& check) {
       note_violation(check.violations, "footprints with fewer than 3 vertices", place);
     if (!(twice_area(polygon.outer) > 0))
       note_violation(check.violations, "outer rings not counter-clockwise", place);
-    if (!is_finite(polygon))
+    if (!all_finite(polygon))
       note_violation(check.violations, "coordinates that are not finite", place);
     check.area += twice_area(polygon.outer) / 2;
     for (const Ring& hole : polygon.holes) {

@@ -30,7 +30,6 @@ constexpr double kHeightTolerance = 1e-9;
 constexpr double kSnapped = 0.01;              // metres; planes that meet do so to millimetres
 constexpr double kExcavationTolerance = 1e-5;  // metres; good to a nanometre a triangle
 constexpr double kNeedTolerance = 1e-6;        // metres; whether ground had to be lowered
-constexpr const char* kNotFinite = "coordinates that are not finite";
 
 /// Bilinear interpolation, written out anew, in the coordinates of the reference system: those are
 /// what the files share.
@@ -357,7 +356,8 @@ std::string HeightChecker::place(std::size_t v, double wanted) const {
 void HeightChecker::check_ground(std::size_t v) {
   ++result_.ground_vertices;
   if (!is_finite(surface_.points[v])) {
-    note_violation(result_.violations, kNotFinite, [&] { return fmt::format("vertex {}", v); });
+    note_violation(result_.violations, kCoordinatesNotFinite,
+                   [&] { return fmt::format("vertex {}", v); });
     return;
   }
   const double wanted = terrain_.at[v];

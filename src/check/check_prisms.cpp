@@ -26,15 +26,15 @@ Vector3 plus(const Vector3& a, double share, const Vector3& b) {
   return {a[0] + share * b[0], a[1] + share * b[1], a[2] + share * b[2]};
 }
 
-struct FaceShape {
+struct WedgeFace {
   Vector3 area{}, centre{};
   double flatness = 1;
 };
 
-FaceShape shape_of(std::span<const Vector3> corners) {
+WedgeFace shape_of(std::span<const Vector3> corners) {
   Vector3 mean{};
   for (const Vector3& p : corners) mean = plus(mean, 1.0 / static_cast<double>(corners.size()), p);
-  FaceShape shape;
+  WedgeFace shape;
   double sum = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Vector3 &p = corners[i], &q = corners[(i + 1) % corners.size()];
@@ -84,7 +84,7 @@ WedgeShape wedge_shape(const TetMesh& mesh, const std::array<std::int64_t, 6>& w
   for (const Vector3& p : corners) middle = plus(middle, 1.0 / 6, p);
   WedgeShape shape;
   Vector3 sums{};
-  const auto add = [&](const FaceShape& face) {
+  const auto add = [&](const WedgeFace& face) {
     const double volume = dot(face.area, difference(face.centre, middle)) / 3;
     shape.volume += volume;
     shape.centre = plus(plus(shape.centre, 0.75 * volume, face.centre), 0.25 * volume, middle);
@@ -178,7 +178,7 @@ void match_quads(const TetMesh& mesh, FaceSums& sums, VolumeCheck& check) {
     return corners;
   };
   const auto centre_at = [&](std::size_t w) { return wedge_shape(mesh, mesh.wedges[w]).centre; };
-  const auto skew_of = [](const std::array<Vector3, 4>& corners, const FaceShape& face,
+  const auto skew_of = [](const std::array<Vector3, 4>& corners, const WedgeFace& face,
                           const Vector3& skew, double least) {
     const double off = length(skew);
     double extent = least;
@@ -190,7 +190,7 @@ void match_quads(const TetMesh& mesh, FaceSums& sums, VolumeCheck& check) {
     while (j < quads.size() && quads[j].sorted == quads[i].sorted) ++j;
     const auto place = [&] { return place_of_wedge(mesh, quads[i].wedge); };
     const std::array<Vector3, 4> corners = corners_of(quads[i]);
-    const FaceShape face = shape_of(corners);
+    const WedgeFace face = shape_of(corners);
     const Vector3 from = centre_at(quads[i].wedge), to_face = difference(face.centre, from);
     if (j - i == 1) {
       check.boundary_quads.push_back(quads[i].corners);

@@ -23,7 +23,6 @@ namespace {
 
 constexpr const char* kUsedTwice = "edges used twice in one direction";
 constexpr const char* kOpen = "open edges";
-constexpr const char* kNotFinite = "coordinates that are not finite";
 
 Vector3 area_vector(const Vector3& a, const Vector3& b, const Vector3& c) {
   const Vector3 twice = cross(difference(b, a), difference(c, a));
@@ -163,7 +162,8 @@ SurfaceCheck check(const SurfaceMesh& surface, Rim rim, const Domain* given = nu
     note_violation(check.violations, "no faces", [] { return "the file"; });
   for (std::size_t v = 0; v < surface.points.size(); ++v)
     if (!is_finite(surface.points[v]))
-      note_violation(check.violations, kNotFinite, [&] { return fmt::format("vertex {}", v); });
+      note_violation(check.violations, kCoordinatesNotFinite,
+                     [&] { return fmt::format("vertex {}", v); });
   const Box box = bounding_box(surface);
   check.highest = box.high[2];
   check.box = {box.low[0], box.low[1], box.high[0], box.high[1]};

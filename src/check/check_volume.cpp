@@ -22,8 +22,6 @@ namespace tetropolis {
 
 namespace {
 
-constexpr std::size_t kGrain = 16384;
-
 /// Pairs of vertices at the same place, the second of each ascending.
 std::vector<std::pair<std::int64_t, std::int64_t>> coincident_vertices(const TetMesh& mesh) {
   const SquareGrid grid(box_of(mesh.points), mesh.points.size() / 8);
@@ -33,7 +31,7 @@ std::vector<std::pair<std::int64_t, std::int64_t>> coincident_vertices(const Tet
       });
   using Pairs = std::vector<std::pair<std::int64_t, std::int64_t>>;
   Pairs pairs = parallel_reduce_ordered(
-      filed.size(), kGrain / 8, Pairs{},
+      filed.size(), 2048, Pairs{},
       [&](std::size_t begin, std::size_t end) {
         Pairs part;
         std::vector<std::pair<std::array<double, 3>, std::int64_t>> row;

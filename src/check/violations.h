@@ -12,6 +12,8 @@
 
 namespace tetropolis {
 
+inline constexpr const char* kCoordinatesNotFinite = "coordinates that are not finite";
+
 /// Adds one violation of the kind `what`; `place()` is called for the first only.
 template <typename Place>
 void note_violation(std::vector<Violation>& violations, const char* what, const Place& place) {

@@ -19,7 +19,7 @@ namespace {
 constexpr double kSame = kNearDuplicate * grid::kSteps;
 constexpr double kMaxHeight = 0.02 * grid::kSteps;
 /// Vertices within half a millimetre of the line are there by rounding, whatever their angle.
-constexpr double kRounding = 0.0005 * grid::kSteps;
+constexpr double kRoundingOfBase = 0.0005 * grid::kSteps;
 constexpr double kMaxDrift = kMaxOutlineShift * grid::kSteps;
 
 /// Whether the outline a, b, c goes to b and straight back.
@@ -101,7 +101,7 @@ Ring without_parallels(const Ring& ring, double tolerance) {
     const double twice = grid::twice_area(u, p, w), base = grid::distance(u, w);
     const double along = (p.x - u.x) * (w.x - p.x) + (p.y - u.y) * (w.y - p.y);
     if (along <= 0 || twice > kMaxHeight * base) return kInfinity;
-    if (twice > slope * along && twice > kRounding * base) return kInfinity;
+    if (twice > slope * along && twice > kRoundingOfBase * base) return kInfinity;
     const double h = twice / base;
     return h + std::max(drift[prev[i]], drift[i]) <= kMaxDrift ? h : kInfinity;
   };

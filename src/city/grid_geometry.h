@@ -66,7 +66,7 @@ using tetropolis::nearest_on_segment;
 using tetropolis::squared_distance_to_segment;
 
 inline double point_segment_distance(Point2 p, Point2 a, Point2 b) {
-  return distance(p, nearest_on_segment(p, a, b));
+  return grid::distance(p, nearest_on_segment(p, a, b));
 }
 
 /// Whether c, known to be on the line a-b, is within the segment.

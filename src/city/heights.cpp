@@ -15,7 +15,6 @@ namespace tetropolis {
 
 namespace {
 
-constexpr std::size_t kBuildingGrain = 64;
 constexpr std::uint32_t kHeightFlags =
     kGroundFromDtm | kRoofFromUnclassified | kRoofFromAttribute | kNoRoofPoints | kMinimumHeight;
 
@@ -85,7 +84,7 @@ void compute_heights(std::span<Building> buildings, const BuildingPoints& points
                      const PointCloud& cloud, const Raster& dtm, const HeightOptions& options) {
   assert(points.roof.size() == buildings.size() && points.ground.size() == buildings.size() &&
          points.by_exclusion.size() == buildings.size());
-  parallel_chunks(buildings.size(), kBuildingGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_chunks(buildings.size(), 64, [&](std::size_t begin, std::size_t end) {
     std::vector<double> heights;
     for (std::size_t b = begin; b < end; ++b) {
       Building& building = buildings[b];

@@ -113,21 +113,21 @@ void turn(Ring& ring, bool counter_clockwise) {
   if ((signed_area(ring) > 0) != counter_clockwise) std::reverse(ring.begin() + 1, ring.end());
 }
 
-struct Edge {
+struct OuterEdge {
   Point2 a, b;
-  bool operator<(const Edge& other) const {
+  bool operator<(const OuterEdge& other) const {
     return std::tie(a.y, a.x, b.y, b.x) < std::tie(other.a.y, other.a.x, other.b.y, other.b.x);
   }
 };
 
 /// The edges that one polygon has alone.
-std::vector<Edge> outer_edges(std::span<const Polygon> polygons) {
-  std::vector<Edge> edges, alone;
+std::vector<OuterEdge> outer_edges(std::span<const Polygon> polygons) {
+  std::vector<OuterEdge> edges, alone;
   for (const Polygon& polygon : polygons)
     for_each_edge(polygon, [&](Point2 a, Point2 b) { edges.push_back({a, b}); });
   std::sort(edges.begin(), edges.end());
-  for (const Edge& edge : edges)
-    if (!std::binary_search(edges.begin(), edges.end(), Edge{edge.b, edge.a}))
+  for (const OuterEdge& edge : edges)
+    if (!std::binary_search(edges.begin(), edges.end(), OuterEdge{edge.b, edge.a}))
       alone.push_back(edge);
   return alone;
 }
@@ -164,7 +164,7 @@ std::optional<std::vector<Polygon>> share_corners(std::span<const Polygon> polyg
 }
 
 std::optional<Polygon> common_outline(std::span<const Polygon> polygons) {
-  const std::vector<Edge> edges = outer_edges(polygons);
+  const std::vector<OuterEdge> edges = outer_edges(polygons);
   Polygon outline;
   std::vector<bool> used(edges.size(), false);
   for (std::size_t first = 0; first < edges.size(); ++first) {
@@ -175,7 +175,7 @@ std::optional<Polygon> common_outline(std::span<const Polygon> polygons) {
       ring.push_back(edges[at].a);
       const Point2 next = edges[at].b;
       const auto it =
-          std::lower_bound(edges.begin(), edges.end(), next, [](const Edge& edge, Point2 p) {
+          std::lower_bound(edges.begin(), edges.end(), next, [](const OuterEdge& edge, Point2 p) {
             return std::tie(edge.a.y, edge.a.x) < std::tie(p.y, p.x);
           });
       if (it == edges.end() || !(it->a == next)) return std::nullopt;

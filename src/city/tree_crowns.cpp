@@ -29,7 +29,6 @@ constexpr double kThickness = 0.15;  // of a surface, as a share of the radius
 /// for crowns.
 constexpr double kClearing = 0.05;
 
-constexpr std::size_t kBuildingGrain = 4;
 constexpr double kTreeHeight = 2.5;     // metres above a building's lowest point
 constexpr double kTallerTree = 3;       // metres that a crown may be higher than those around
 constexpr double kSurfaceShare = 0.5;   // of neighbours on surfaces, at most, in crowns
@@ -140,7 +139,7 @@ void drop_tree_crowns(PointLists& roof, const CrownEvidence& evidence, const Poi
          roof.size() == evidence.beside.size());
   std::vector<std::vector<PointIndex>> kept(roof.size());
   SharedProgress shared(progress, static_cast<std::int64_t>(roof.size()));
-  parallel_chunks(roof.size(), kBuildingGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_chunks(roof.size(), 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b)
       if (is_mostly_ground(roof[b], evidence.below[b]) ||
           has_trees_around(roof[b], evidence.around[b], cloud))

@@ -1,4 +1,4 @@
-// The value above all others.
+// The value above all others, and none.
 #pragma once
 
 #include <limits>
@@ -6,5 +6,6 @@
 namespace tetropolis {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace tetropolis

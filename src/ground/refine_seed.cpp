@@ -21,7 +21,7 @@ namespace {
 constexpr double kLatticeSpacing = 0.88;
 constexpr double kLatticeClearance = 0.45;
 
-double distance(Point2 p, Point2 q) {
+double distance_between(Point2 p, Point2 q) {
   return std::sqrt((p.x - q.x) * (p.x - q.x) + (p.y - q.y) * (p.y - q.y));
 }
 
@@ -155,7 +155,7 @@ void Refiner::cut_pieces() {
 void Refiner::cut_piece(std::int32_t s, double size) {
   const Piece whole = piece(mesh_.sub(s).piece);
   const Point2 a = mesh_.point(whole.v[0]), b = mesh_.point(whole.v[1]);
-  const double length = distance(a, b);
+  const double length = distance_between(a, b);
   if (length <= size) return;
   std::vector<double> cuts;
   if (!whole.acute[0] && !whole.acute[1]) {

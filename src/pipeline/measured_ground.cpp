@@ -18,12 +18,12 @@ namespace {
 constexpr double kNear = 0.5;  // metres above the terrain
 
 /// Cells over a footprint's box; what points say of each is two bits of a byte.
-struct Cells {
+struct FootprintCells {
   Bounds2 box;
   double width = 2;
   std::size_t columns = 1, rows = 1, first = 0;
 
-  explicit Cells(const Polygon& footprint) : box(bounds(footprint)) {
+  explicit FootprintCells(const Polygon& footprint) : box(bounds(footprint)) {
     constexpr double kShare = 0.1;
     width = std::max(width, kShare * std::sqrt(std::max(box.width() * box.height(), 0.0)));
     columns = static_cast<std::size_t>(box.width() / width) + 1;
@@ -45,7 +45,7 @@ std::vector<std::size_t> find_measured_ground(std::span<const Building> building
   constexpr std::size_t kFew = 3, kTimes = 10;
   constexpr double kMost = 0.6;
   if (buildings.empty() || cloud.size() == 0) return {};
-  std::vector<Cells> cells;
+  std::vector<FootprintCells> cells;
   std::vector<const Polygon*> outlines;
   std::size_t size = 0;
   for (const Building& building : buildings) {

@@ -15,7 +15,7 @@ namespace tetropolis {
 
 namespace {
 
-struct Face {
+struct CellFace {
   std::array<std::int64_t, 3> corners;  ///< Counter-clockwise seen from outside the cell.
   std::int64_t cell;
 
@@ -27,7 +27,7 @@ struct Face {
 };
 
 /// Faces of one cell only.
-std::vector<Face> single_faces(const TetMesh& mesh) {
+std::vector<CellFace> single_faces(const TetMesh& mesh) {
   constexpr std::array<std::array<std::size_t, 3>, 4> kFaces = {
       {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
   // By their lowest corner: all that may be equal lie together.
@@ -40,14 +40,14 @@ std::vector<Face> single_faces(const TetMesh& mesh) {
     for (const auto& f : kFaces) ++next[lowest(c, f) + 1];
   for (std::size_t v = 0; v + 1 < next.size(); ++v) next[v + 1] += next[v];
   const std::vector<std::size_t> first = next;
-  std::vector<Face> faces(mesh.cells.size() * 4);
+  std::vector<CellFace> faces(mesh.cells.size() * 4);
   for (std::size_t c = 0; c < mesh.cells.size(); ++c)
     for (const auto& f : kFaces) {
       const auto& cell = mesh.cells[c];
       faces[next[lowest(c, f)]++] = {{cell[f[0]], cell[f[1]], cell[f[2]]},
                                      static_cast<std::int64_t>(c)};
     }
-  std::vector<Face> single;
+  std::vector<CellFace> single;
   std::vector<std::pair<std::array<std::int64_t, 3>, std::size_t>> around;
   for (std::size_t v = 0; v < mesh.points.size(); ++v) {
     around.clear();
@@ -67,22 +67,22 @@ constexpr double kVertical = 1e-4;
 
 class Sides {
  public:
-  Sides(const TetMesh& mesh, const std::vector<Face>& faces) : mesh_(mesh) {
-    for (const Face& face : faces)
+  Sides(const TetMesh& mesh, const std::vector<CellFace>& faces) : mesh_(mesh) {
+    for (const CellFace& face : faces)
       if (normal(face).z > kVertical)
         for (const std::int64_t v : face.corners) top_.push_back(v);
     sort_once(top_);
-    for (const Face& face : faces)
+    for (const CellFace& face : faces)
       if (std::abs(normal(face).z) <= kVertical && touches_top(face)) lines_.push_back(line(face));
     std::sort(lines_.begin(), lines_.end());
   }
 
-  Vec3 normal(const Face& face) const {
+  Vec3 normal(const CellFace& face) const {
     const Vec3 a = point(face.corners[0]);
     return normalised(cross(point(face.corners[1]) - a, point(face.corners[2]) - a));
   }
 
-  bool is_side(const Face& face) const {
+  bool is_side(const CellFace& face) const {
     return std::binary_search(lines_.begin(), lines_.end(), line(face));
   }
 
@@ -91,7 +91,7 @@ class Sides {
 
   Vec3 point(std::int64_t v) const { return Vec3(mesh_.points[static_cast<std::size_t>(v)]); }
 
-  bool touches_top(const Face& face) const {
+  bool touches_top(const CellFace& face) const {
     int on_top = 0;
     for (const std::int64_t v : face.corners)
       on_top += std::binary_search(top_.begin(), top_.end(), v) ? 1 : 0;
@@ -99,7 +99,7 @@ class Sides {
   }
 
   /// The segment that a vertical face is in the plan.
-  Line line(const Face& face) const {
+  Line line(const CellFace& face) const {
     std::array<std::pair<double, double>, 3> p;
     for (std::size_t i = 0; i < 3; ++i) {
       const Vec3 q = point(face.corners[i]);
@@ -141,11 +141,11 @@ void name_walls(SurfaceMesh& surface) {
 }  // namespace
 
 SurfaceMesh surface_of(const TetMesh& mesh) {
-  const std::vector<Face> faces = single_faces(mesh);
+  const std::vector<CellFace> faces = single_faces(mesh);
   const Sides sides(mesh, faces);
   SurfaceMesh surface;
   std::vector<std::int32_t> number(mesh.points.size(), -1);
-  for (const Face& face : faces) {
+  for (const CellFace& face : faces) {
     const double up = sides.normal(face).z;
     if (up > kVertical || (up >= -kVertical && sides.is_side(face))) continue;
     const std::int32_t region =

@@ -18,7 +18,7 @@ namespace {
 constexpr std::array<std::pair<std::string_view, Command>, 4> kCommands{
     {{"build", kBuild}, {"city", kCity}, {"mesh", kMesh}, {"synth", kSynth}}};
 
-std::string quoted(const std::string& word) {
+std::string shell_quoted(const std::string& word) {
   constexpr std::string_view plain =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-+=.,/:@%";
   if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
@@ -43,10 +43,10 @@ std::string words_of(const ConfigField& field, const Config& config) {
           if constexpr (std::is_same_v<Value, bool>) {
             return "";
           } else if constexpr (std::is_same_v<Value, std::string>) {
-            return ' ' + quoted(value);
+            return ' ' + shell_quoted(value);
           } else if constexpr (std::is_same_v<Value, std::vector<std::string>>) {
             std::string words;
-            for (const std::string& text : value) words += ' ' + quoted(text);
+            for (const std::string& text : value) words += ' ' + shell_quoted(text);
             return words;
           } else if constexpr (std::is_same_v<Value, std::vector<double>>) {
             return fmt::format(" {}", fmt::join(value, ","));

@@ -17,7 +17,7 @@ namespace {
 
 constexpr unsigned kAll = kBuild | kCity | kMesh | kSynth;
 constexpr unsigned kData = kBuild | kCity;
-constexpr unsigned kMeshing = kBuild | kMesh;
+constexpr unsigned kMeshes = kBuild | kMesh;
 
 template <auto member>
 ChoiceMember choice() {
@@ -595,9 +595,9 @@ std::vector<ConfigField> make_fields() {
   };
   std::vector<ConfigField> all;
   for (Group& group : std::vector<Group>{{"Input", kData, input_fields()},
-                                         {"Output", kMeshing, output_fields()},
+                                         {"Output", kMeshes, output_fields()},
                                          {"City model", kData, city_model_fields()},
-                                         {"Mesh", kMeshing, mesh_fields()},
+                                         {"Mesh", kMeshes, mesh_fields()},
                                          {"Synthetic city", kSynth, synthetic_city_fields()},
                                          {"Run", kAll | kCheck, run_fields()}}) {
     for (ConfigField& field : group.fields) {

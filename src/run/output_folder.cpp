@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-[[noreturn]] void fail(const fs::path& target, const std::string& reason) {
+[[noreturn]] void refuse(const fs::path& target, const std::string& reason) {
   throw Error(ErrorKind::kUsage, target.string() + ": cannot be written: " + reason +
                                      "; choose another folder with `out`");
 }
@@ -77,7 +77,7 @@ void OutputFolder::create_staging(const fs::path& named) {
   for (;;) {
     if (!make_random_folder(home_, prefix, staging_)) {
       staging_.clear();
-      fail(named, std::strerror(errno));
+      refuse(named, std::strerror(errno));
     }
     lock_ = lock_folder(staging_).release();
     const bool taken = lock_ < 0 && (errno == EWOULDBLOCK || errno == ENOENT);
@@ -90,21 +90,23 @@ void OutputFolder::create_staging(const fs::path& named) {
 OutputFolder::OutputFolder(const fs::path& target, OutputWatcher watcher, Replaces replaces,
                            bool overwrite)
     : watcher_(std::move(watcher)), replaces_(replaces), overwrite_(overwrite) {
-  if (target.empty()) fail("`out`", "no folder given");
+  if (target.empty()) refuse("`out`", "no folder given");
   // Of a link, the folder it leads to.
   target_ = real_path(target);
   if (!target_.has_filename()) target_ = target_.parent_path();
   std::error_code error;
-  if (fs::exists(target_, error) && !fs::is_directory(target_, error)) fail(target, "it is a file");
-  if (exists_itself(target_) && !fs::exists(target_, error)) fail(target, "it is a dangling link");
+  if (fs::exists(target_, error) && !fs::is_directory(target_, error))
+    refuse(target, "it is a file");
+  if (exists_itself(target_) && !fs::exists(target_, error))
+    refuse(target, "it is a dangling link");
   const fs::path parent = target_.parent_path();
   for (fs::path p = parent; !fs::exists(p, error) && p.has_relative_path(); p = p.parent_path())
     created_parent_ = p;
   try {
     fs::create_directories(parent, error);
-    if (error) fail(target, error.message());
+    if (error) refuse(target, error.message());
     if (!fs::exists(target_, error) && error == std::errc::filename_too_long)
-      fail(target, error.message());
+      refuse(target, error.message());
     const bool inside = fs::is_directory(target_, error) &&
                         (!same_mount(parent, target_) || !can_make_files_in(parent));
     home_ = inside ? target_ : parent;
@@ -112,7 +114,7 @@ OutputFolder::OutputFolder(const fs::path& target, OutputWatcher watcher, Replac
     for (const std::string& name : results::all_names()) require_no_folder(target_, name);
     // An existing target must be writable itself: find out before the work, not after it.
     if (fs::exists(target_, error) && !can_make_files_in(target_))
-      fail(target, std::strerror(errno));
+      refuse(target, std::strerror(errno));
   } catch (...) {
     if (!staging_.empty()) fs::remove_all(staging_, error);
     if (lock_ >= 0) ::close(lock_);

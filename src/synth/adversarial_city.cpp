@@ -19,12 +19,12 @@ namespace tetropolis {
 namespace {
 
 constexpr std::uint64_t kChoiceStream = 1;
-constexpr std::uint64_t kTerrainStream = 2;
+constexpr std::uint64_t kAdversarialTerrainStream = 2;
 constexpr std::uint64_t kVillageStream = 3;
 constexpr std::uint64_t kFurnitureStream = 4;
 constexpr std::uint64_t kFileStream = 5;
 constexpr std::uint64_t kDefectStream = 100;  // The first of one stream per kind of defect.
-constexpr std::uint64_t kScanSeed = 0x616476;
+constexpr std::uint64_t kAdversarialScanSeed = 0x616476;
 
 // In the order of application: terrain and buildings before the laser, outlines and clouds after.
 constexpr DefectKind kKinds[] = {
@@ -210,7 +210,7 @@ SyntheticScene build_scene(const AdversarialCityOptions& options,
   scene.size = options.size;
   scene.details = true;
   scene.terrain.relief = options.relief;
-  SeededRandom terrain_random(options.seed, kTerrainStream);
+  SeededRandom terrain_random(options.seed, kAdversarialTerrainStream);
   for (double& phase : scene.terrain.phases) phase = terrain_random.unit();
   SeededRandom village_random(options.seed, kVillageStream);
   std::vector<VillagePlot> plots =
@@ -249,8 +249,9 @@ AdversarialCity synthetic_adversarial_city(const AdversarialCityOptions& options
   SeededRandom file_random(options.seed, kFileStream);
   city.as_geojson = file_random.chance(0.5);
   city.features = raw_features(sound, !city.as_geojson);
-  city.tiles.push_back(
-      {scan_scene(scene, options.points_per_m2, mix64(options.seed ^ kScanSeed), progress), {}});
+  city.tiles.push_back({scan_scene(scene, options.points_per_m2,
+                                   mix64(options.seed ^ kAdversarialScanSeed), progress),
+                        {}});
   for (std::size_t k = 0; k < kKindCount; ++k) {
     const DefectKind& kind = kKinds[k];
     if (!is_among(kind.name, chosen)) continue;

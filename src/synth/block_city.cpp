@@ -26,7 +26,7 @@ constexpr std::uint64_t kBlockStream = 100;  // The first of one stream per bloc
 constexpr std::uint64_t kGreenStream = 4;
 constexpr std::uint64_t kUntidyStream = 5;
 constexpr std::uint64_t kRoofSeed = 0x726f6f66;
-constexpr std::uint64_t kScanSeed = 0x626c6f636b;
+constexpr std::uint64_t kBlockScanSeed = 0x626c6f636b;
 
 void check(const BlockCityOptions& options) {
   const auto refuse = [](const char* what) {
@@ -165,7 +165,8 @@ SyntheticCity synthetic_block_city(const BlockCityOptions& options, const Progre
   plant_and_park(plan, green, scene);
   SyntheticCity city = city_of_scene(scene);
   if (options.sloped_roofs) add_roofs(options.seed, scene, city);
-  city.points = scan_scene(scene, options.points_per_m2, mix64(options.seed ^ kScanSeed), progress);
+  city.points =
+      scan_scene(scene, options.points_per_m2, mix64(options.seed ^ kBlockScanSeed), progress);
   if (options.untidy) {
     SeededRandom random(options.seed, kUntidyStream);
     make_untidy(city, random);

@@ -21,8 +21,6 @@ constexpr double kGreatestDepth = kDepth + 2 * kDepthStep;
 constexpr double kShortestEdge = 9;  // Of a perimeter block, metres.
 constexpr double kFrontage = 12;     // Usual width of a row house, metres.
 
-Point2 on_mm(Point2 p) { return {round_to_mm(p.x), round_to_mm(p.y)}; }
-
 /// Appends p unless the ring ends there already.
 void push(Ring& ring, Point2 p) {
   const Point2 q = on_mm(p);
@@ -100,7 +98,7 @@ std::vector<Side> perimeter_sides(const Ring& ring, SeededRandom& random) {
 }
 
 /// The party walls of one side: position and depth of the plots between the corner plots.
-struct Plots {
+struct SidePlots {
   std::vector<double> walls;   ///< From corner_start to corner_end.
   std::vector<double> depths;  ///< One less than walls; empty if the corner plots meet.
 };
@@ -117,7 +115,7 @@ double plot_depth(const Side& side, double from, double to, const Ring& block,
   return depth;
 }
 
-Plots divide(const Side& side, const Ring& block, double scale, SeededRandom& random) {
+SidePlots divide(const Side& side, const Ring& block, double scale, SeededRandom& random) {
   const double room = side.corner_end - side.corner_start;
   if (room <= 0) return {{side.corner_start}, {}};
   const double n = std::max(1.0, std::nearbyint(room / (kFrontage * scale)));
@@ -127,7 +125,7 @@ Plots divide(const Side& side, const Ring& block, double scale, SeededRandom& ra
     weights.push_back(random.uniform(0.7, 1.4));
     total += weights.back();
   }
-  Plots plots;
+  SidePlots plots;
   plots.walls.push_back(side.corner_start);
   for (const double weight : weights)
     plots.walls.push_back(plots.walls.back() + room * weight / total);
@@ -138,8 +136,8 @@ Plots divide(const Side& side, const Ring& block, double scale, SeededRandom& ra
 }
 
 /// A wing into the courtyard behind plot k, if it keeps away from the other sides.
-void add_wing(Ring& ring, const Side& side, const Plots& plots, std::size_t k, const Ring& block,
-              SeededRandom& random) {
+void add_wing(Ring& ring, const Side& side, const SidePlots& plots, std::size_t k,
+              const Ring& block, SeededRandom& random) {
   const double from = plots.walls[k];
   const double width = plots.walls[k + 1] - from;
   const bool wanted = random.chance(0.4);
@@ -160,7 +158,7 @@ void add_wing(Ring& ring, const Side& side, const Plots& plots, std::size_t k, c
 
 /// The building on plot k of a side. Where a neighbour is shallower its rear corner becomes a
 /// vertex of the party wall, so that the wall is shared vertex by vertex.
-Ring row_house(const Side& side, const Plots& plots, std::size_t k, const Ring& block,
+Ring row_house(const Side& side, const SidePlots& plots, std::size_t k, const Ring& block,
                SeededRandom& random) {
   const double depth = plots.depths[k];
   const double before = k == 0 ? kDepth : plots.depths[k - 1];
@@ -177,8 +175,8 @@ Ring row_house(const Side& side, const Plots& plots, std::size_t k, const Ring& 
 }
 
 /// The building around the corner between two sides.
-Ring corner_house(const Side& before, const Plots& plots_before, const Side& side,
-                  const Plots& plots) {
+Ring corner_house(const Side& before, const SidePlots& plots_before, const Side& side,
+                  const SidePlots& plots) {
   const double depth_before = plots_before.depths.empty() ? kDepth : plots_before.depths.back();
   const double depth_after = plots.depths.empty() ? kDepth : plots.depths.front();
   Ring ring;
@@ -215,7 +213,7 @@ bool build_perimeter(const Ring& ring, Point2 axis, double scale, SeededRandom& 
                      std::vector<SyntheticBuilding>& buildings) {
   const std::vector<Side> sides = perimeter_sides(ring, random);
   if (sides.empty()) return false;
-  std::vector<Plots> plots;
+  std::vector<SidePlots> plots;
   for (const Side& side : sides) plots.push_back(divide(side, ring, scale, random));
   const double floors = std::floor(random.uniform(4, 6));
   for (std::size_t i = 0; i < sides.size(); ++i) {

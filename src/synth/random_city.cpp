@@ -16,9 +16,9 @@ namespace tetropolis {
 
 namespace {
 
-constexpr std::uint64_t kTerrainStream = 1;
+constexpr std::uint64_t kRandomTerrainStream = 1;
 constexpr std::uint64_t kPlaceStream = 2;
-constexpr std::uint64_t kScanSeed = 0x7363616e;
+constexpr std::uint64_t kRandomScanSeed = 0x7363616e;
 constexpr int kMaxTries = 1000;  // For one building, before the square counts as full.
 
 void check(const RandomCityOptions& options) {
@@ -106,14 +106,15 @@ SyntheticCity synthetic_random_city(const RandomCityOptions& options, const Prog
   SyntheticScene scene;
   scene.size = options.size;
   scene.terrain.relief = options.relief;
-  SeededRandom terrain_random(options.seed, kTerrainStream);
+  SeededRandom terrain_random(options.seed, kRandomTerrainStream);
   for (double& phase : scene.terrain.phases) phase = terrain_random.unit();
   Centres centres(options.size, options.min_distance);
   SeededRandom random(options.seed, kPlaceStream);
   for (std::int64_t b = 0; b < options.buildings; ++b)
     scene.buildings.push_back(random_building(options, centres, random));
   SyntheticCity city = city_of_scene(scene);
-  city.points = scan_scene(scene, options.points_per_m2, mix64(options.seed ^ kScanSeed), progress);
+  city.points =
+      scan_scene(scene, options.points_per_m2, mix64(options.seed ^ kRandomScanSeed), progress);
   return city;
 }
 

@@ -27,8 +27,6 @@ constexpr double kLeastEdge = 1;     // Of a part, metres.
 constexpr double kLeastArea = 4;     // Of a part, square metres.
 constexpr double kNarrowest = 5;     // Of a piece with more than one plane, metres.
 
-Point2 on_mm(Point2 p) { return {round_to_mm(p.x), round_to_mm(p.y)}; }
-
 /// A convex piece of a footprint, along its longest edge.
 class Piece {
  public:
@@ -225,16 +223,16 @@ class PieceRoof {
 
   /// The four sides of a roof that rises from all around, up to `rim` metres in from the extent.
   void sides(double eave, double slope, double rim) {
-    struct Side {
+    struct PieceSide {
       Point2 from, inward;
     };
     const Point2 u = piece_.along, v = piece_.across;
-    const std::array<Side, 4> all{Side{piece_.at(piece_.west, piece_.south), v},
-                                  Side{piece_.at(piece_.east, piece_.south), -1.0 * u},
-                                  Side{piece_.at(piece_.east, piece_.north), -1.0 * v},
-                                  Side{piece_.at(piece_.west, piece_.north), u}};
+    const std::array<PieceSide, 4> all{PieceSide{piece_.at(piece_.west, piece_.south), v},
+                                       PieceSide{piece_.at(piece_.east, piece_.south), -1.0 * u},
+                                       PieceSide{piece_.at(piece_.east, piece_.north), -1.0 * v},
+                                       PieceSide{piece_.at(piece_.west, piece_.north), u}};
     for (std::size_t k = 0; k < 4; ++k) {
-      const Side& side = all[k];
+      const PieceSide& side = all[k];
       Ring region = clip(piece_.ring, side.from + rim * side.inward, -1.0 * side.inward);
       // Nearer to this side than to its neighbours and the one opposite.
       for (const std::size_t other : {(k + 1) % 4, (k + 3) % 4}) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "tetropolis/geometry/types.h"
+
 #include "core/mix64.h"
 
 namespace tetropolis {
@@ -62,5 +64,6 @@ class SeededRandom {
 
 /// The nearest whole millimetre; always the same double for the same millimetre.
 inline double round_to_mm(double value) { return std::nearbyint(value * 1000) / 1000; }
+inline Point2 on_mm(Point2 p) { return {round_to_mm(p.x), round_to_mm(p.y)}; }
 
 }  // namespace tetropolis

@@ -21,10 +21,7 @@ struct VillagePlot {
     return {centre.x + u * axis.x - v * axis.y, centre.y + u * axis.y + v * axis.x};
   }
   /// The same in whole millimetres.
-  Point2 on_mm(double u, double v) const {
-    const Point2 p = at(u, v);
-    return {round_to_mm(p.x), round_to_mm(p.y)};
-  }
+  Point2 on_mm(double u, double v) const { return tetropolis::on_mm(at(u, v)); }
   /// A rectangle in the plot's frame, counter-clockwise, in whole millimetres.
   Ring rectangle(double west, double south, double east, double north) const;
 };

@@ -24,9 +24,7 @@ namespace tetropolis {
 namespace {
 
 constexpr double kMostCells = 134217728.0;  // 2^27
-constexpr float kNanF = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t kPointGrain = std::size_t{1} << 15;
-constexpr std::size_t kRowGrain = 32;
 
 /// Metres: cells are not made wider than this for sparse clouds.
 constexpr double kCoarsest = 4.0;
@@ -95,7 +93,7 @@ double mean_spacing(const PointCloud& cloud, const Candidates& mask, const Bound
 HeightGrid lowest_points(const PointCloud& cloud, const Candidates& mask, const Frame& frame) {
   HeightGrid grid{frame.nx, frame.ny, {}};
   grid.values.assign(static_cast<std::size_t>(frame.nx) * static_cast<std::size_t>(frame.ny),
-                     kNanF);
+                     std::numeric_limits<float>::quiet_NaN());
   for (std::size_t p = 0; p < cloud.size(); ++p) {
     if (mask[p] == 0) continue;
     float& lowest = grid.values[frame.at(cloud.x[p], cloud.y[p])];
@@ -352,7 +350,7 @@ std::vector<std::uint8_t> filter_ground(const PointCloud& cloud,
     for (const Polygon& footprint : footprints) cover(footprint, frame, covered);
     HeightGrid lowest = all;
     for (std::size_t c = 0; c < covered.size(); ++c)
-      if (covered[c] != 0) lowest.values[c] = kNanF;
+      if (covered[c] != 0) lowest.values[c] = std::numeric_limits<float>::quiet_NaN();
     if (is_empty(lowest)) lowest = all;
     HeightGrid believed = lowest;
     remove_low_outliers(believed, std::move(all), frame.cell, spacing);

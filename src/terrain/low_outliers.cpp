@@ -13,9 +13,6 @@ namespace tetropolis {
 
 namespace {
 
-constexpr float kNanF = std::numeric_limits<float>::quiet_NaN();
-constexpr std::size_t kRowGrain = 32;
-
 /// A lowest point is a low outlier unless this many cells, itself among them, hold one at most
 /// kOutlierRise higher within kOutlierReach.
 constexpr int kOutlierSupport = 4;
@@ -211,25 +208,24 @@ void remove_low_outliers(HeightGrid& grid, HeightGrid all, double cell, double s
   std::vector<std::uint8_t> open(grid.values.size(), 1);
   for (int round = 0; round < rounds; ++round) {
     std::vector<std::uint8_t> outlier(grid.values.size(), 0);
-    parallel_chunks(
-        static_cast<std::size_t>(grid.ny), kRowGrain, [&](std::size_t begin, std::size_t end) {
-          std::vector<float> room;
-          for (auto j = static_cast<std::int32_t>(begin); j < static_cast<std::int32_t>(end); ++j)
-            for (std::int32_t i = 0; i < grid.nx; ++i) {
-              const std::size_t c = grid.index(i, j);
-              if (open[c] == 0 || std::isnan(grid.values[c])) continue;
-              const Block around = block.around(i, j);
-              if (!is_supported(grid, i, j, reach) ||
-                  (is_surrounded(all, i, j, around, limits) &&
-                   (is_under_plane(all, i, j, around, limits, room) ||
-                    is_rare(grid, i, j, reach, room))))
-                outlier[c] = 1;
-            }
-        });
+    parallel_chunks(static_cast<std::size_t>(grid.ny), 32, [&](std::size_t begin, std::size_t end) {
+      std::vector<float> room;
+      for (auto j = static_cast<std::int32_t>(begin); j < static_cast<std::int32_t>(end); ++j)
+        for (std::int32_t i = 0; i < grid.nx; ++i) {
+          const std::size_t c = grid.index(i, j);
+          if (open[c] == 0 || std::isnan(grid.values[c])) continue;
+          const Block around = block.around(i, j);
+          if (!is_supported(grid, i, j, reach) ||
+              (is_surrounded(all, i, j, around, limits) &&
+               (is_under_plane(all, i, j, around, limits, room) ||
+                is_rare(grid, i, j, reach, room))))
+            outlier[c] = 1;
+        }
+    });
     bool found = false;
     for (std::size_t c = 0; c < outlier.size(); ++c) {
       if (outlier[c] == 0) continue;
-      grid.values[c] = all.values[c] = kNanF;
+      grid.values[c] = all.values[c] = std::numeric_limits<float>::quiet_NaN();
       found = true;
     }
     if (!found) break;

@@ -10,8 +10,6 @@ namespace tetropolis {
 
 namespace {
 
-constexpr std::size_t kRowGrain = 32;
-
 struct Lower {
   float operator()(float a, float b) const { return b < a ? b : a; }
 };
@@ -33,7 +31,7 @@ void combine(const HeightGrid& from, HeightGrid& to, Direction direction, std::i
   const std::int32_t low = std::clamp(-shift, 0, from.nx);
   const std::int32_t high = std::clamp(from.nx - shift, low, from.nx);
   const auto rows = static_cast<std::size_t>(from.ny);
-  parallel_chunks(rows, kRowGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_chunks(rows, 32, [&](std::size_t begin, std::size_t end) {
     for (auto j = static_cast<std::int32_t>(begin); j < static_cast<std::int32_t>(end); ++j) {
       const float* here = from.values.data() + from.index(0, j);
       float* out = to.values.data() + to.index(0, j);

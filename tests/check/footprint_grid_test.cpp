@@ -18,7 +18,7 @@ namespace {
 
 using testing::rectangle;
 
-CityModel model_of(const std::vector<Polygon>& footprints) {
+CityModel buildings_on(const std::vector<Polygon>& footprints) {
   CityModel city;
   for (const Polygon& footprint : footprints) {
     city.buildings.emplace_back();
@@ -38,7 +38,7 @@ TEST(FootprintGrid, FindsTheBuildingOfAnyPointWhateverTheDomain) {
       footprints.push_back(rectangle(100 * i, 30 * j, 100 * i + uniform(1, 99), 30 * j + 25));
   footprints.push_back({});                                   // of no vertex
   footprints.push_back(rectangle(-1e6, 1e6, -1e6 + 5, 2e6));  // far away
-  CityModel city = model_of(footprints);
+  CityModel city = buildings_on(footprints);
   const double inf = std::numeric_limits<double>::infinity();
   for (const Bounds2& domain :
        {Bounds2::nothing(), Bounds2{0, 0, 1e9, 1e9}, Bounds2{0, 0, 1e5, 1e5}, Bounds2{}}) {
@@ -59,7 +59,7 @@ TEST(FootprintGrid, FindsTheBuildingOfAnyPointWhateverTheDomain) {
 
 TEST(FootprintGrid, EmptyCitiesAndEmptyRingsHaveNoBuildings) {
   EXPECT_EQ(FootprintGrid(CityModel{}).at(0, 0), kNoBuilding);
-  const CityModel city = model_of({Polygon{}, Polygon{}});
+  const CityModel city = buildings_on({Polygon{}, Polygon{}});
   EXPECT_EQ(FootprintGrid(city).at(0, 0), kNoBuilding);
   TetMesh mesh;
   mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -86,7 +86,7 @@ TEST(FootprintGrid, OutlinesOfManyVerticesAreLookedAtInParts) {
   for (int i = 0; i < 4000; ++i)
     comb.outer.push_back({200 + 0.02 * i, i % 4 < 2 ? uniform(-100, -90) : uniform(90, 100)});
   comb.outer.insert(comb.outer.end(), {{280, -200}, {200, -200}});
-  const CityModel city = model_of({star, comb});
+  const CityModel city = buildings_on({star, comb});
   const FootprintGrid grid(city);
   EXPECT_LE(grid.edge_entries(), std::size_t{8} * 12002);
   for (int i = 0; i < 5000; ++i) {
@@ -102,13 +102,13 @@ TEST(FootprintGrid, MemoryGrowsWithTheNumberOfBuildingsOnly) {
   // Each covers nearly all of the city.
   std::vector<Polygon> nested;
   for (int i = 0; i < 2000; ++i) nested.push_back(rectangle(i, i, 10000 - i, 10000 - i));
-  const CityModel city = model_of(nested);
+  const CityModel city = buildings_on(nested);
   const FootprintGrid grid(city);
   EXPECT_EQ(grid.at(5, 5000), 0);
   EXPECT_LE(grid.squares(), 3 * nested.size() + 4);
   EXPECT_LE(grid.entries(), 16 * nested.size());
   const CityModel far =
-      model_of({rectangle(0, 0, 10, 10), rectangle(1e9, 1e9, 1e9 + 10, 1e9 + 10)});
+      buildings_on({rectangle(0, 0, 10, 10), rectangle(1e9, 1e9, 1e9 + 10, 1e9 + 10)});
   EXPECT_LE(FootprintGrid(far).squares(), 10U);
   EXPECT_EQ(FootprintGrid(far).at(1e9 + 5, 1e9 + 5), 1);
 }

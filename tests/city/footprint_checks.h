@@ -28,6 +28,8 @@ inline Ring clockwise_box(double x, double y, double width, double height) {
   return {{x, y}, {x, y + height}, {x + width, y + height}, {x + width, y}};
 }
 
+inline const Polygon kSliver{{{0, 5}, {202, 5.0006}, {0, 5.0011}}, {}};
+
 inline Polygon turned(Polygon polygon, double angle, Point2 about = {}) {
   const auto turn = [&](Point2& p) {
     const double x = p.x - about.x, y = p.y - about.y;

@@ -25,7 +25,7 @@ namespace {
 using testing::test_seed;
 using Roof = std::function<double(Point2)>;
 
-Ring box(double x0, double y0, double x1, double y1) {
+Ring ring_between(double x0, double y0, double x1, double y1) {
   return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
 }
 
@@ -116,8 +116,8 @@ double step(Point2 p) { return p.x < 7 ? 9 : 6; }
 
 TEST(Roofs, AGableHasTwoPlanes) {
   for (const double density : {8.0, 2.0}) {
-    Block block(box(0, 0, 14, 10));
-    block.add("a", box(0, 0, 14, 10), gable, density);
+    Block block(ring_between(0, 0, 14, 10));
+    block.add("a", ring_between(0, 0, 14, 10), gable, density);
     const RoofFacts facts = block.make(Lod::k2_2);
     EXPECT_EQ(block.parts().size(), 2U);
     EXPECT_LT(block.worst(gable, [](Point2 p) { return std::abs(p.y - 5) < 0.6; }), 0.2)
@@ -132,8 +132,8 @@ TEST(Roofs, AGableHasTwoPlanes) {
 }
 
 TEST(Roofs, AHipHasFourPlanes) {
-  Block block(box(0, 0, 16, 10));
-  block.add("a", box(0, 0, 16, 10), hip, 8);
+  Block block(ring_between(0, 0, 16, 10));
+  block.add("a", ring_between(0, 0, 16, 10), hip, 8);
   block.make(Lod::k2_2);
   EXPECT_EQ(block.parts().size(), 4U);
   const auto near = [](Point2 p) {
@@ -145,8 +145,8 @@ TEST(Roofs, AHipHasFourPlanes) {
 }
 
 TEST(Roofs, AShedHasOnePlane) {
-  Block block(box(0, 0, 12, 8));
-  block.add("a", box(0, 0, 12, 8), shed, 3);
+  Block block(ring_between(0, 0, 12, 8));
+  block.add("a", ring_between(0, 0, 12, 8), shed, 3);
   block.make(Lod::k2_2);
   ASSERT_EQ(block.parts().size(), 1U);
   EXPECT_EQ(block.parts()[0].lod, Lod::k2_2);
@@ -156,8 +156,8 @@ TEST(Roofs, AShedHasOnePlane) {
 
 TEST(Roofs, AStepDividesAFootprintFromLod13On) {
   for (const Lod lod : {Lod::k1_2, Lod::k1_3, Lod::k2_2}) {
-    Block block(box(0, 0, 14, 10));
-    block.add("a", box(0, 0, 14, 10), step, 5);
+    Block block(ring_between(0, 0, 14, 10));
+    block.add("a", ring_between(0, 0, 14, 10), step, 5);
     block.make(lod);
     if (lod == Lod::k1_2) {
       ASSERT_EQ(block.parts().size(), 1U);
@@ -172,22 +172,22 @@ TEST(Roofs, AStepDividesAFootprintFromLod13On) {
 }
 
 TEST(Roofs, HeightsLessThanAMetreApartAreOnePartOfLod13) {
-  Block block(box(0, 0, 14, 10));
+  Block block(ring_between(0, 0, 14, 10));
   const auto low_step = [](Point2 p) { return p.x < 7 ? 6.7 : 6.0; };
-  block.add("a", box(0, 0, 14, 10), low_step, 5);
+  block.add("a", ring_between(0, 0, 14, 10), low_step, 5);
   block.make(Lod::k1_3);
   EXPECT_EQ(block.parts().size(), 1U);
 }
 
 TEST(Roofs, PartyWallsDivideABlock) {
   // Two houses of 9 m and 6 m that are 0.6 m apart, and a third that nobody has seen.
-  Block block(box(0, 0, 30, 10));
+  Block block(ring_between(0, 0, 30, 10));
   block.add(
-      "a", box(0, 0, 9.7, 10), [](Point2) { return 9.0; }, 4);
+      "a", ring_between(0, 0, 9.7, 10), [](Point2) { return 9.0; }, 4);
   block.add(
-      "b", box(10.3, 0, 20, 10), [](Point2) { return 6.0; }, 4);
+      "b", ring_between(10.3, 0, 20, 10), [](Point2) { return 6.0; }, 4);
   block.add(
-      "c", box(20, 0, 30, 10), [](Point2) { return 0.0; }, 0);
+      "c", ring_between(20, 0, 30, 10), [](Point2) { return 0.0; }, 0);
   const RoofFacts facts = block.make(Lod::k1_2);
   ASSERT_EQ(block.parts().size(), 3U);
   std::set<std::string> sources;
@@ -209,13 +209,13 @@ TEST(Roofs, PartyWallsDivideABlock) {
 
 TEST(Roofs, AFilledGapGoesToTheLongestNeighbour) {
   // Between a long wall, and two houses that share the other side of it.
-  Block block(box(0, 0, 20, 10));
+  Block block(ring_between(0, 0, 20, 10));
   block.add(
-      "a", box(0, 0, 8, 10), [](Point2) { return 9.0; }, 4);
+      "a", ring_between(0, 0, 8, 10), [](Point2) { return 9.0; }, 4);
   block.add(
-      "b", box(9.5, 0, 20, 4), [](Point2) { return 6.0; }, 4);
+      "b", ring_between(9.5, 0, 20, 4), [](Point2) { return 6.0; }, 4);
   block.add(
-      "c", box(9.5, 4, 20, 10), [](Point2) { return 4.0; }, 4);
+      "c", ring_between(9.5, 4, 20, 10), [](Point2) { return 4.0; }, 4);
   block.make(Lod::k1_2);
   ASSERT_EQ(block.parts().size(), 3U);
   const std::map<std::string, double> areas{{"a", 95}, {"b", 42}, {"c", 63}};
@@ -225,11 +225,11 @@ TEST(Roofs, AFilledGapGoesToTheLongestNeighbour) {
 
 TEST(Roofs, AFootprintThatFitsWorseThanFlatStaysFlat) {
   // One plane does for the shop and its annexe, but the annexe is 10 cm off it.
-  Block block(box(0, 0, 23, 10));
+  Block block(ring_between(0, 0, 23, 10));
   block.add(
-      "shop", box(0, 0, 20, 10), [](Point2) { return 6.0; }, 8);
+      "shop", ring_between(0, 0, 20, 10), [](Point2) { return 6.0; }, 8);
   block.add(
-      "annexe", box(20, 0, 23, 10), [](Point2) { return 6.1; }, 8);
+      "annexe", ring_between(20, 0, 23, 10), [](Point2) { return 6.1; }, 8);
   block.make(Lod::k2_2);
   double squares = 0, count = 0;
   for (PointIndex p : block.points.roof[1]) {
@@ -250,9 +250,9 @@ TEST(Roofs, AFootprintThatFitsWorseThanFlatStaysFlat) {
 
 TEST(Roofs, NoCornerLeavesTheRangeOfItsPoints) {
   // Points on the lower half alone: the plane is not drawn out to the ridge.
-  Block block(box(0, 0, 10, 10));
+  Block block(ring_between(0, 0, 10, 10));
   block.add(
-      "a", box(0, 0, 10, 10), [](Point2 p) { return 5 + p.x; }, 6);
+      "a", ring_between(0, 0, 10, 10), [](Point2 p) { return 5 + p.x; }, 6);
   PointLists half;
   std::vector<PointIndex> list;
   double highest = 0;
@@ -270,9 +270,9 @@ TEST(Roofs, NoCornerLeavesTheRangeOfItsPoints) {
 }
 
 TEST(Roofs, LowRoofsAreRaised) {
-  Block block(box(0, 0, 10, 10));
+  Block block(ring_between(0, 0, 10, 10));
   block.add(
-      "a", box(0, 0, 10, 10), [](Point2 p) { return 1 + 0.2 * p.x; }, 6);
+      "a", ring_between(0, 0, 10, 10), [](Point2 p) { return 1 + 0.2 * p.x; }, 6);
   const RoofFacts facts = block.make(Lod::k2_2);
   EXPECT_EQ(facts.raised, 1);
   for (const RoofPart& part : block.parts())
@@ -280,8 +280,8 @@ TEST(Roofs, LowRoofsAreRaised) {
 }
 
 TEST(Roofs, ABlockStaysABlock) {
-  Block block(box(0, 0, 10, 10));
-  block.add("a", box(0, 0, 10, 10), shed, 6);
+  Block block(ring_between(0, 0, 10, 10));
+  block.add("a", ring_between(0, 0, 10, 10), shed, 6);
   EXPECT_EQ(block.make(Lod::kBlock).parts, 0);
   EXPECT_TRUE(block.parts().empty());
 }

@@ -31,7 +31,7 @@ using testing::staging_folders;
 
 constexpr int kForGood = std::numeric_limits<int>::max();
 
-void put(const fs::path& path, const std::string& text) {
+void put_file(const fs::path& path, const std::string& text) {
   fs::create_directories(path.parent_path());
   std::ofstream(path) << text;
 }
@@ -43,7 +43,7 @@ std::string failed_commit(const fs::path& result, int first, int last, fs::path&
   staging = staging_folders(result.parent_path()).at(0);
   for (const char* name :
        {"volume.vtu", "boundary.vtp", "report.json", "constant/polyMesh/points", "volume.msh"})
-    put(out / name, "new");
+    put_file(out / name, "new");
   const FailingCalls failing(Call::kRename, first, last, EROFS);
   try {
     out.commit();
@@ -64,12 +64,13 @@ TEST(FailingCalls, MovesThatFailAreUndoneOrTheMessageSaysWhereTheEarlierResultIs
                      (for_good ? " and all that follow" : ""));
         const testing::TemporaryFolder scratch;
         const fs::path result = scratch / "result";
-        for (const char* name : {"dtm.tif", "boundary.vtp", earlier}) put(result / name, "old");
-        put(result / "report.json",
-            R"({"version": "0", "command": "build", "steps": [],
+        for (const char* name : {"dtm.tif", "boundary.vtp", earlier})
+          put_file(result / name, "old");
+        put_file(result / "report.json",
+                 R"({"version": "0", "command": "build", "steps": [],
                 "files": ["dtm.tif", "boundary.vtp", ")" +
-                std::string(earlier) + R"("]})");
-        put(result / "notes.txt", "mine");
+                     std::string(earlier) + R"("]})");
+        put_file(result / "notes.txt", "mine");
         const auto before = snapshot(scratch.path());
         fs::path staging;
         const std::string message =

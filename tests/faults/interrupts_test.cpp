@@ -14,10 +14,10 @@
 namespace tetropolis {
 namespace {
 
-std::atomic<bool> ending{false};
+std::atomic<bool> is_ending{false};
 
 void sleep_in_handler() {
-  ending = true;
+  is_ending = true;
   const timespec third{0, 300'000'000};
   nanosleep(&third, nullptr);
 }
@@ -33,7 +33,7 @@ int code_of_ended_run() {
       raise(SIGINT);
       raise(SIGINT);
     });
-    while (!ending) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    while (!is_ending) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     app::wait_if_ending();
     _exit(3);
   }

@@ -14,12 +14,12 @@
 namespace tetropolis {
 namespace {
 
-constexpr Point2 kOrigin{85000, 447000};
+constexpr Point2 kTilesOrigin{85000, 447000};
 
 /// Points in local coordinates, footprints in those of the CRS.
 PointsInput points_at(const std::vector<Point2>& positions) {
   PointsInput points;
-  points.origin = kOrigin;
+  points.origin = kTilesOrigin;
   for (const Point2 p : positions) {
     points.points.push_back(p.x, p.y, 0, 2);
     points.extent.extend(p);
@@ -30,9 +30,9 @@ PointsInput points_at(const std::vector<Point2>& positions) {
 FootprintsInput footprints_at(const std::vector<Polygon>& polygons) {
   FootprintsInput input;
   for (Polygon polygon : polygons) {
-    for (Point2& p : polygon.outer) p = {p.x + kOrigin.x, p.y + kOrigin.y};
+    for (Point2& p : polygon.outer) p = {p.x + kTilesOrigin.x, p.y + kTilesOrigin.y};
     for (Ring& hole : polygon.holes)
-      for (Point2& p : hole) p = {p.x + kOrigin.x, p.y + kOrigin.y};
+      for (Point2& p : hole) p = {p.x + kTilesOrigin.x, p.y + kTilesOrigin.y};
     input.bounds.extend(bounds(polygon));
     input.features.push_back({"", std::move(polygon), 0});
   }
@@ -75,18 +75,20 @@ TEST(Preflight, OverlapIsOfTheFootprintsWithinTheBounds) {
   EXPECT_DOUBLE_EQ(whole.overlap, 50.0 * 50 / (200 * 100));
   EXPECT_DOUBLE_EQ(whole.points_per_m2, 4.0 / 5000);
   EXPECT_EQ(whole.footprints, 2);
-  const Bounds2 bounds = Bounds2{0, 0, 100, 50}.moved(kOrigin);
+  const Bounds2 bounds = Bounds2{0, 0, 100, 50}.moved(kTilesOrigin);
   const Preflight part = preflight(points, footprints, bounds);
   EXPECT_DOUBLE_EQ(part.overlap, 1);
   EXPECT_EQ(part.footprints, 1);
-  const Preflight apart = preflight(points, footprints, Bounds2{180, 80, 300, 300}.moved(kOrigin));
+  const Preflight apart =
+      preflight(points, footprints, Bounds2{180, 80, 300, 300}.moved(kTilesOrigin));
   EXPECT_EQ(apart.overlap, 0);
 }
 
 TEST(Preflight, BrokenCoordinatesAreNoBuildings) {
   const PointsInput points = points_at({{0, 0}, {100, 50}, {50, 20}});
   FootprintsInput footprints = footprints_at({rectangle({40, 10, 60, 30})});
-  footprints.features.push_back({"", {{{kOrigin.x, kOrigin.y}, {1e300, 0}, {0, 1e300}}, {}}, 0});
+  footprints.features.push_back(
+      {"", {{{kTilesOrigin.x, kTilesOrigin.y}, {1e300, 0}, {0, 1e300}}, {}}, 0});
   footprints.features.push_back({"", {}, 0});
   const Preflight found = preflight(points, footprints, std::nullopt);
   EXPECT_EQ(found.footprints, 2);

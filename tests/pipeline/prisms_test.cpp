@@ -16,8 +16,8 @@
 namespace tetropolis {
 namespace {
 
-CityMesh mesh_of(const testing::SmallCity& small, Cells cells, int layers = 0,
-                 double cut_slope = 56) {
+CityMesh mesh_with(const testing::SmallCity& small, Cells cells, int layers = 0,
+                   double cut_slope = 56) {
   MeshCityOptions options;
   options.cut_slope_deg = cut_slope;
   options.mesh_size = 8;
@@ -44,7 +44,7 @@ double volume_above_floors(const ColumnMesh& mesh, double top) {
 
 TEST(Prisms, AloneFillTheDomainAboveExactFloors) {
   const testing::SmallCity city = testing::small_city(gentle);
-  const CityMesh mesh = mesh_of(city, Cells::kPrisms);
+  const CityMesh mesh = mesh_with(city, Cells::kPrisms);
   const VolumeMeshFacts& facts = mesh.volume_facts;
   EXPECT_TRUE(mesh.volume.layers.whole);
   EXPECT_EQ(mesh.volume.layers.count, 5);
@@ -70,7 +70,7 @@ TEST(Prisms, AloneFillTheDomainAboveExactFloors) {
       roofs += b == kNoBuilding ? 0 : 1;
     }
   EXPECT_GT(roofs, 0);
-  const CityMesh tets = mesh_of(city, Cells::kTets, 5);
+  const CityMesh tets = mesh_with(city, Cells::kTets, 5);
   EXPECT_LT(5 * facts.cells, 3 * tets.volume_facts.cells);
 }
 
@@ -93,7 +93,7 @@ testing::SmallCity houses_on(const std::function<double(double, double)>& terrai
 
 TEST(Prisms, StandOnHills) {
   for (const auto& terrain : {ridges, testing::hills}) {
-    const CityMesh mesh = mesh_of(houses_on(terrain, 9), Cells::kPrisms);
+    const CityMesh mesh = mesh_with(houses_on(terrain, 9), Cells::kPrisms);
     EXPECT_TRUE(mesh.volume.layers.whole);
     EXPECT_LE(mesh.volume_facts.prisms.max_non_orthogonality_deg, 65);
     EXPECT_LE(mesh.volume_facts.prisms.max_skewness, 3);
@@ -126,7 +126,7 @@ TEST(Prisms, StandAtBuriedWalls) {
 
 TEST(Prisms, GiveWayToTetsOnSteepTerrain) {
   const testing::SmallCity steep = testing::small_city([](double x, double) { return x; });
-  const CityMesh mesh = mesh_of(steep, Cells::kPrisms);
+  const CityMesh mesh = mesh_with(steep, Cells::kPrisms);
   EXPECT_FALSE(mesh.volume.layers.whole);
   EXPECT_GT(mesh.volume_facts.prisms.cells, 0);
   EXPECT_GT(mesh.volume_facts.cells, mesh.volume_facts.prisms.cells);
@@ -139,7 +139,8 @@ TEST(Prisms, CutBackPits) {
   const testing::SmallCity pit = testing::small_city([](double x, double y) {
     return -9 * std::clamp((8 - std::max(std::abs(x - 62), std::abs(y - 40))) / 3, 0.0, 1.0);
   });
-  const CityMesh kept = mesh_of(pit, Cells::kPrisms, 5, 90), cut = mesh_of(pit, Cells::kPrisms, 5);
+  const CityMesh kept = mesh_with(pit, Cells::kPrisms, 5, 90),
+                 cut = mesh_with(pit, Cells::kPrisms, 5);
   EXPECT_GT(kept.volume_facts.prisms.max_non_orthogonality_deg, 60);
   EXPECT_TRUE(kept.volume_facts.feet_cut_back.empty());
   const PrismQuality& prisms = cut.volume_facts.prisms;
@@ -156,7 +157,7 @@ TEST(Prisms, AreNoTallerThanTheFlattestTriangleAllows) {
   testing::SmallCity city = testing::small_city([](double, double) { return 2.0; });
   city.footprints = {testing::rectangle(40, 30, 60, 45), testing::rectangle(60.5, 30, 80, 45)};
   city.roofs = {14, 22};
-  const PrismQuality prisms = mesh_of(city, Cells::kPrisms).volume_facts.prisms;
+  const PrismQuality prisms = mesh_with(city, Cells::kPrisms).volume_facts.prisms;
   EXPECT_GT(prisms.cells, 0);
   EXPECT_LT(prisms.max_aspect_ratio, 60);
 }
@@ -198,7 +199,7 @@ TEST(Prisms, BelowTetsKeepTheFloorOfQuality) {
   for (const auto& [name, terrain] : testing::kHardTerrains) {
     SCOPED_TRACE(name);
     const testing::SmallCity city = testing::small_city(terrain);
-    const CityMesh mesh = mesh_of(city, Cells::kTets, 5);
+    const CityMesh mesh = mesh_with(city, Cells::kTets, 5);
     EXPECT_TRUE(mesh.surface_facts.closed && mesh.surface_facts.manifold);
     EXPECT_GE(mesh.volume_facts.dihedral_min, 8);
     EXPECT_LE(mesh.volume_facts.dihedral_max, 160);

@@ -40,6 +40,12 @@ struct Feature {
   std::string wkt;
 };
 
+inline std::vector<std::string> ids_of(const std::vector<Feature>& features) {
+  std::vector<std::string> ids;
+  for (const Feature& feature : features) ids.push_back(feature.id);
+  return ids;
+}
+
 /// "west" 20 x 20 m, "east" an L, "north" around a courtyard, "tower", "shed", and "patient", 24 x
 /// 16 m at (60, 50), 10 m and more from all others; gentle slope at 20 m.
 DefectCity defect_city();

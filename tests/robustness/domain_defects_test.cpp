@@ -12,12 +12,6 @@
 namespace tetropolis::testing {
 namespace {
 
-std::vector<std::string> ids_of(const std::vector<Feature>& features) {
-  std::vector<std::string> ids;
-  for (const Feature& feature : features) ids.push_back(feature.id);
-  return ids;
-}
-
 class DomainDefects : public ::testing::Test {
  protected:
   Outcome run() { return run(sound_features(city)); }

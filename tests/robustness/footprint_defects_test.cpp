@@ -140,12 +140,6 @@ std::vector<Feature> shifted_copies(int n, double step) {
   return copies;
 }
 
-std::vector<std::string> ids_of(const std::vector<Feature>& features) {
-  std::vector<std::string> ids;
-  for (const Feature& feature : features) ids.push_back(feature.id);
-  return ids;
-}
-
 std::vector<Row> rings() {
   Polygon clockwise = kPatient;
   std::reverse(clockwise.outer.begin(), clockwise.outer.end());
@@ -412,9 +406,9 @@ void expect_patient(const Row& row, const Outcome& outcome) {
   }
 }
 
-class FootprintDefect : public ::testing::TestWithParam<Row> {};
+class DefectiveFootprint : public ::testing::TestWithParam<Row> {};
 
-TEST_P(FootprintDefect, EndsAsTheTableSays) {
+TEST_P(DefectiveFootprint, EndsAsTheTableSays) {
   const Row& row = GetParam();
   const Outcome& sound = undamaged();
   std::vector<Feature> features = with_patient(the_city(), row.patient);
@@ -536,10 +530,12 @@ TEST(FootprintDefects, NothingUsableIsAnError) {
   EXPECT_NE(specks.error.find("terrain_only"), std::string::npos) << specks.error;
 }
 
-INSTANTIATE_TEST_SUITE_P(Rings, FootprintDefect, ::testing::ValuesIn(rings()), name_of);
-INSTANTIATE_TEST_SUITE_P(Holes, FootprintDefect, ::testing::ValuesIn(holes()), name_of);
-INSTANTIATE_TEST_SUITE_P(Neighbours, FootprintDefect, ::testing::ValuesIn(neighbours()), name_of);
-INSTANTIATE_TEST_SUITE_P(Geometries, FootprintDefect, ::testing::ValuesIn(geometries()), name_of);
+INSTANTIATE_TEST_SUITE_P(Rings, DefectiveFootprint, ::testing::ValuesIn(rings()), name_of);
+INSTANTIATE_TEST_SUITE_P(Holes, DefectiveFootprint, ::testing::ValuesIn(holes()), name_of);
+INSTANTIATE_TEST_SUITE_P(Neighbours, DefectiveFootprint, ::testing::ValuesIn(neighbours()),
+                         name_of);
+INSTANTIATE_TEST_SUITE_P(Geometries, DefectiveFootprint, ::testing::ValuesIn(geometries()),
+                         name_of);
 
 }  // namespace
 }  // namespace tetropolis::testing

@@ -49,10 +49,10 @@ TEST(FoundBySearch, ARingDrawnTwiceWithSlightlyDifferentVertices) {
 // Ten teeth with slots of a centimetre between them; two vertices of one slot are interchanged and
 // there is a spike between them, so that the outline crosses itself all along the slot.
 TEST(FoundBySearch, ACombWithSlotsOfACentimetreOneOfThemTangled) {
-  constexpr double kStep = 1.17516, kTooth = 1.16516;
-  Polygon comb{{{97.43125, -0.5033}, {97.43125 + 10 * kStep, -0.5033}}, {}};
+  constexpr double kPitch = 1.17516, kTooth = 1.16516;
+  Polygon comb{{{97.43125, -0.5033}, {97.43125 + 10 * kPitch, -0.5033}}, {}};
   for (int i = 9; i >= 0; --i) {
-    const double x = 97.43125 + kStep * i;
+    const double x = 97.43125 + kPitch * i;
     if (i == 6)
       comb.outer.insert(comb.outer.end(),
                         {{x + kTooth, 8.2183}, {x + kTooth + 0.01, 9.2183}, {x + kTooth, 1.4967}});

@@ -17,7 +17,7 @@ std::vector<std::string> ids_of(const DefectCity& city) {
   return ids;
 }
 
-struct Row {
+struct TerrainRow {
   std::string name;
   std::function<double(double, double)> ground;
   std::function<int(double, double)> ground_class = [](double, double) { return 2; };
@@ -27,7 +27,7 @@ struct Row {
   double roof_above = 12;  ///< Of the patient's roof above the ground at its first corner.
 };
 
-void PrintTo(const Row& row, std::ostream* out) { *out << row.name; }
+void PrintTo(const TerrainRow& row, std::ostream* out) { *out << row.name; }
 
 bool in_water(double x, double y) {
   // A canal past the patient's northern wall, 6 m wide, and a lake around an island with the shed.
@@ -36,8 +36,8 @@ bool in_water(double x, double y) {
   return r > 6 && r < 14;
 }
 
-std::vector<Row> rows() {
-  std::vector<Row> result;
+std::vector<TerrainRow> rows() {
+  std::vector<TerrainRow> result;
   result.push_back({"SlopeOf45Degrees", [](double x, double) { return x; }});
   result.back().h_ground = 60;
   result.back().within = 2.5;
@@ -83,10 +83,10 @@ std::vector<Row> rows() {
   return result;
 }
 
-class TerrainDefect : public ::testing::TestWithParam<Row> {};
+class TerrainDefect : public ::testing::TestWithParam<TerrainRow> {};
 
 TEST_P(TerrainDefect, GivesASoundMeshWithTheHeightsOfTheScan) {
-  const Row& row = GetParam();
+  const TerrainRow& row = GetParam();
   const TemporaryFolder folder;
   DefectCity city = defect_city();
   city.ground = row.ground;
@@ -107,9 +107,11 @@ TEST_P(TerrainDefect, GivesASoundMeshWithTheHeightsOfTheScan) {
   for (const SolverFacts& step : outcome.report.solver) EXPECT_TRUE(step.converged);
 }
 
-std::string name_of(const ::testing::TestParamInfo<Row>& info) { return info.param.name; }
+std::string terrain_name_of(const ::testing::TestParamInfo<TerrainRow>& info) {
+  return info.param.name;
+}
 
-INSTANTIATE_TEST_SUITE_P(Terrains, TerrainDefect, ::testing::ValuesIn(rows()), name_of);
+INSTANTIATE_TEST_SUITE_P(Terrains, TerrainDefect, ::testing::ValuesIn(rows()), terrain_name_of);
 
 }  // namespace
 }  // namespace tetropolis::testing

@@ -14,6 +14,7 @@
 
 #include "tetropolis/core/error.h"
 
+#include "core/infinity.h"
 #include "support/errors.h"
 #include "support/test_data.h"
 
@@ -21,8 +22,6 @@ namespace tetropolis {
 namespace {
 
 using testing::test_seed;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 PointCloud random_cloud(int points, const Bounds2& box) {
   std::mt19937 random(test_seed());
@@ -39,7 +38,7 @@ Raster random_raster_with_voids(std::int32_t nx, std::int32_t ny, double share_e
   std::uniform_real_distribution<double> share(0, 1);
   Raster raster{nx, ny, 0, 0, 1, {}};
   for (std::int32_t k = 0; k < nx * ny; ++k)
-    raster.values.push_back(share(random) < share_empty ? kNan : 50 * share(random));
+    raster.values.push_back(share(random) < share_empty ? kNaN : 50 * share(random));
   return raster;
 }
 
@@ -86,7 +85,7 @@ TEST(DtmGrid, RefusesNonsense) {
   const double inf = std::numeric_limits<double>::infinity();
   EXPECT_THROW(dtm_grid({0, 0, 10, 10}, 0), Error);
   EXPECT_THROW(dtm_grid({0, 0, 10, 10}, -1), Error);
-  EXPECT_THROW(dtm_grid({0, 0, 10, 10}, kNan), Error);
+  EXPECT_THROW(dtm_grid({0, 0, 10, 10}, kNaN), Error);
   EXPECT_THROW(dtm_grid({10, 0, 0, 10}, 1), Error);
   EXPECT_THROW(dtm_grid({0, 0, inf, 10}, 1), Error);
   EXPECT_THROW(dtm_grid({0, 0, 1e6, 1e6}, 0.5), Error);
@@ -99,7 +98,7 @@ TEST(DtmGrid, HasNodesWholeStepsFromTheAnchor) {
   const Raster even = dtm_grid({0.3, 0, 0.7, 1}, 0.1, Point2{-0.6, 0});
   EXPECT_EQ(even.nx, 5);
   EXPECT_NEAR(even.x0, 0.3, 1e-15);
-  EXPECT_THROW(dtm_grid({0, 0, 10, 10}, 1, Point2{kNan, 0}), Error);
+  EXPECT_THROW(dtm_grid({0, 0, 10, 10}, 1, Point2{kNaN, 0}), Error);
 }
 
 /// As dtm.h has it: heights depend on what is within as many steps as the next point is away.

@@ -10,6 +10,7 @@
 
 #include "tetropolis/core/threads.h"
 
+#include "core/infinity.h"
 #include "support/test_data.h"
 
 namespace tetropolis {
@@ -17,10 +18,8 @@ namespace {
 
 using testing::test_seed;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
 Raster empty_raster(std::int32_t nx, std::int32_t ny) {
-  return {nx, ny, 3.5, -8, 2, std::vector<double>(row_major(0, ny, nx), kNan)};
+  return {nx, ny, 3.5, -8, 2, std::vector<double>(row_major(0, ny, nx), kNaN)};
 }
 
 /// Of the heights of neighbouring nodes.

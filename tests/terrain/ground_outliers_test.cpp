@@ -20,7 +20,7 @@ namespace {
 using testing::test_seed;
 using Numbers = std::vector<std::uint32_t>;
 
-void add(PointCloud& cloud, double x, double y, double z, std::uint8_t code = kGround) {
+void add_point(PointCloud& cloud, double x, double y, double z, std::uint8_t code = kGround) {
   cloud.push_back(x, y, z, code);
 }
 
@@ -33,7 +33,7 @@ PointCloud terrain(double size, double per_m2, const std::function<double(double
   PointCloud cloud;
   for (int k = 0; k < static_cast<int>(size * size * per_m2); ++k) {
     const double x = along(random), y = along(random);
-    add(cloud, x, y, height(x, y) + noise(random));
+    add_point(cloud, x, y, height(x, y) + noise(random));
   }
   return cloud;
 }
@@ -83,7 +83,7 @@ TEST(GroundOutliers, AgreeWithTheDefinition) {
         terrain(40, per_m2, [](double x, double y) { return 0.1 * x + (y > 21 ? 7 : 0); });
     std::mt19937 random(test_seed());
     std::uniform_real_distribution<double> along(1, 39), z(-30, 40);
-    for (int k = 0; k < 40; ++k) add(cloud, along(random), along(random), z(random));
+    for (int k = 0; k < 40; ++k) add_point(cloud, along(random), along(random), z(random));
     const double x0 = *std::min_element(cloud.x.begin(), cloud.x.end());
     const double y0 = *std::min_element(cloud.y.begin(), cloud.y.end());
     const Numbers expected = by_definition(cloud, x0, y0);
@@ -97,12 +97,12 @@ TEST(GroundOutliers, WithAnAnchorDoNotDependOnFarPoints) {
   PointCloud cloud = terrain(60, 1, [](double x, double) { return 0.1 * x; });
   std::mt19937 random(test_seed());
   std::uniform_real_distribution<double> along(1, 59), z(-30, 40);
-  for (int k = 0; k < 80; ++k) add(cloud, along(random), along(random), z(random));
+  for (int k = 0; k < 80; ++k) add_point(cloud, along(random), along(random), z(random));
   const Point2 anchor{101.3, -40.7};
   const Numbers alone = find_ground_outliers(cloud, anchor);
   EXPECT_EQ(alone, by_definition(cloud, 101.3 - 4 * 40, -40.7 - 4 * 5));
   const auto n = static_cast<std::uint32_t>(cloud.size());
-  for (int k = 0; k < 100; ++k) add(cloud, -333.7 - k, -771.9, 100);
+  for (int k = 0; k < 100; ++k) add_point(cloud, -333.7 - k, -771.9, 100);
   Numbers beside = find_ground_outliers(cloud, anchor);
   std::erase_if(beside, [&](std::uint32_t p) { return p >= n; });
   EXPECT_EQ(beside, alone);
@@ -114,11 +114,11 @@ TEST(GroundOutliers, BirdsAndPitsAreFoundAndNothingElse) {
       return 50 + 15 * std::sin(x / 25) * std::cos(y / 30);
     });
     const auto first = static_cast<std::uint32_t>(cloud.size());
-    add(cloud, 60, 60, 1e5);
-    add(cloud, 30, 70, -60);
-    add(cloud, 90, 20, 150);
-    add(cloud, 91, 50, -9999);
-    add(cloud, 5, 5, 250, kBuildingClass);  // no ground point
+    add_point(cloud, 60, 60, 1e5);
+    add_point(cloud, 30, 70, -60);
+    add_point(cloud, 90, 20, 150);
+    add_point(cloud, 91, 50, -9999);
+    add_point(cloud, 5, 5, 250, kBuildingClass);  // no ground point
     EXPECT_EQ(find_ground_outliers(cloud), (Numbers{first, first + 1, first + 2, first + 3}))
         << per_m2;
   }
@@ -127,9 +127,9 @@ TEST(GroundOutliers, BirdsAndPitsAreFoundAndNothingElse) {
 TEST(GroundOutliers, PointsThatAreThereTwiceAreFoundTwice) {
   PointCloud cloud = terrain(50, 2, [](double, double) { return 3; });
   const std::size_t once = cloud.size();
-  add(cloud, 25, 25, 30);
-  add(cloud, 40, 10, -8);
-  for (std::size_t p = 0; p < once + 2; ++p) add(cloud, cloud.x[p], cloud.y[p], cloud.z[p]);
+  add_point(cloud, 25, 25, 30);
+  add_point(cloud, 40, 10, -8);
+  for (std::size_t p = 0; p < once + 2; ++p) add_point(cloud, cloud.x[p], cloud.y[p], cloud.z[p]);
   const auto n = static_cast<std::uint32_t>(once);
   EXPECT_EQ(find_ground_outliers(cloud), (Numbers{n, n + 1, 2 * n + 2, 2 * n + 3}));
 }
@@ -154,8 +154,8 @@ TEST(GroundOutliers, WallsCliffsAndQuaysStay) {
 TEST(GroundOutliers, PointsOnAWallAreBetweenThoseThatAreNotAlone) {
   PointCloud cloud = terrain(
       40, 3, [](double x, double y) { return std::hypot(x - 20, y - 20) < 3 ? -10.0 : 0.0; });
-  add(cloud, 17, 20, -5);  // halfway down the shaft
-  add(cloud, 23, 20, -3.5);
+  add_point(cloud, 17, 20, -5);  // halfway down the shaft
+  add_point(cloud, 23, 20, -3.5);
   EXPECT_EQ(find_ground_outliers(cloud), Numbers{});
 }
 
@@ -165,23 +165,24 @@ TEST(GroundOutliers, ManyPointsAtOnePlaceTakeNoLonger) {
   const auto first = static_cast<std::uint32_t>(cloud.size());
   Numbers mast;
   for (std::uint32_t k = 0; k < 100000; ++k) {
-    add(cloud, 20.2, 20.2, 10 + 0.0005 * k);
+    add_point(cloud, 20.2, 20.2, 10 + 0.0005 * k);
     mast.push_back(first + k);
   }
   // Against the median, which it would be itself, the ground has to be denser around.
-  for (int k = 0; k < 250000; ++k) add(cloud, 16 + 0.00003 * k, 17 + (k % 8), 1 + 0.01 * (k % 7));
+  for (int k = 0; k < 250000; ++k)
+    add_point(cloud, 16 + 0.00003 * k, 17 + (k % 8), 1 + 0.01 * (k % 7));
   EXPECT_EQ(find_ground_outliers(cloud), mast);
   // A platform around its top is not alone, and what is below that is between.
-  for (int k = 0; k < 8; ++k) add(cloud, 17 + k, 20, 61.5);
+  for (int k = 0; k < 8; ++k) add_point(cloud, 17 + k, 20, 61.5);
   EXPECT_EQ(find_ground_outliers(cloud), Numbers{});
 }
 
 TEST(GroundOutliers, AFewPointsCannotBeJudged) {
   PointCloud cloud;
   EXPECT_EQ(find_ground_outliers(cloud), Numbers{});
-  for (int k = 0; k < 8; ++k) add(cloud, k, k, k == 3 ? 1000 : 0);
+  for (int k = 0; k < 8; ++k) add_point(cloud, k, k, k == 3 ? 1000 : 0);
   EXPECT_EQ(find_ground_outliers(cloud), Numbers{});
-  add(cloud, 9, 1, 0);
+  add_point(cloud, 9, 1, 0);
   EXPECT_EQ(find_ground_outliers(cloud), Numbers{3});
 }
 
@@ -189,7 +190,7 @@ TEST(GroundOutliers, TheSameForAnyNumberOfThreads) {
   PointCloud cloud = terrain(200, 1, [](double x, double y) { return x * y / 500; });
   std::mt19937 random(test_seed());
   std::uniform_real_distribution<double> along(0, 200), z(-100, 300);
-  for (int k = 0; k < 300; ++k) add(cloud, along(random), along(random), z(random));
+  for (int k = 0; k < 300; ++k) add_point(cloud, along(random), along(random), z(random));
   Numbers one;
   {
     const ThreadLimit limit(1);

@@ -20,11 +20,10 @@ namespace {
 
 using NodeId = Partition::NodeId;
 using EdgeId = Partition::EdgeId;
-constexpr std::size_t kNone = Partition::kNone;
 
 /// Per node of the outline: the next one along it, the polygon on the left.
 std::vector<NodeId> walk_of(const Partition& lines) {
-  std::vector<NodeId> next(lines.nodes().size(), kNone);
+  std::vector<NodeId> next(lines.nodes().size(), Partition::kNone);
   for (const Partition::Edge& edge : lines.edges()) {
     if (!edge.alive) continue;
     if (edge.right == Partition::kOutside) next[edge.a] = edge.b;
@@ -53,7 +52,7 @@ void snap_nodes(Partition& lines, const std::vector<NodeId>& next) {
     if (!lines.node(n).on_outline && !lines.node(n).edges.empty())
       lines.put_back(n, snap_coordinate(lines.at(n)));
   for (NodeId n = 0; n < lines.nodes().size(); ++n) {
-    if (next[n] == kNone || !lines.node(n).corner) continue;
+    if (next[n] == Partition::kNone || !lines.node(n).corner) continue;
     NodeId end = next[n];
     while (!lines.node(end).corner) end = next[end];
     for (NodeId k = next[n]; k != end; k = next[k])
@@ -65,7 +64,7 @@ Polygon outline_of(const Polygon& footprint, const Partition& lines,
                    const std::vector<NodeId>& next) {
   std::map<std::pair<double, double>, NodeId> at;
   for (NodeId n = 0; n < lines.nodes().size(); ++n)
-    if (lines.node(n).corner && next[n] != kNone) at[{lines.at(n).x, lines.at(n).y}] = n;
+    if (lines.node(n).corner && next[n] != Partition::kNone) at[{lines.at(n).x, lines.at(n).y}] = n;
   const auto walked = [&](const Ring& ring) {
     Ring result;
     const NodeId start = at.at({ring.front().x, ring.front().y});

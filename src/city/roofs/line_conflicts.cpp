@@ -14,7 +14,6 @@ namespace {
 
 using NodeId = Partition::NodeId;
 using EdgeId = Partition::EdgeId;
-constexpr std::size_t kNone = Partition::kNone;
 
 }  // namespace
 
@@ -37,7 +36,7 @@ double LineConflicts::nearness(NodeId n, EdgeId e) const {
   if (!(d < clearance_)) return kInfinity;
   for (const NodeId end : {edge.a, edge.b}) {
     const EdgeId common = lines_.edge_between(n, end);
-    if (common == kNone) continue;
+    if (common == Partition::kNone) continue;
     // Near for its end alone, or for an edge that is too short itself.
     if (nearest_on_segment(p, a, b) == lines_.at(end) || is_short(common)) return kInfinity;
   }
@@ -83,8 +82,8 @@ std::vector<LineConflict> LineConflicts::all() const {
 
 bool LineConflicts::still_holds(const LineConflict& c) const {
   if (!lines_.edge(c.edge).alive) return false;
-  if (c.node == kNone) return is_short(c.edge);
-  if (c.second == kNone)
+  if (c.node == Partition::kNone) return is_short(c.edge);
+  if (c.second == Partition::kNone)
     return !lines_.node(c.node).edges.empty() && nearness(c.node, c.edge) < clearance_;
   return lines_.edge(c.second).alive && lines_.edge(c.edge).has(c.node) &&
          lines_.edge(c.second).has(c.node) && angle(c.node, c.edge, c.second) < min_angle_;

@@ -80,7 +80,7 @@ void add_interior(const Polygon& footprint, double step, PlanarGraph& graph) {
 }
 
 std::vector<std::array<CellNumber, 3>> neighbours_of(const Triangulation& mesh) {
-  struct Side {
+  struct CellSide {
     VertexIndex high;
     CellNumber cell;
     std::size_t edge;
@@ -90,17 +90,17 @@ std::vector<std::array<CellNumber, 3>> neighbours_of(const Triangulation& mesh) 
       for (std::size_t e = 0; e < 3; ++e) {
         const auto [low, high] =
             std::minmax(mesh.triangles[c][(e + 1) % 3], mesh.triangles[c][(e + 2) % 3]);
-        visit(low, Side{high, static_cast<CellNumber>(c), e});
+        visit(low, CellSide{high, static_cast<CellNumber>(c), e});
       }
   };
   // By the lower end, of which there are few.
   std::vector<std::size_t> end(mesh.points.size() + 1, 0);
-  for_each_side([&](VertexIndex low, const Side&) { ++end[low + 1]; });
+  for_each_side([&](VertexIndex low, const CellSide&) { ++end[low + 1]; });
   std::partial_sum(end.begin(), end.end(), end.begin());
   std::vector<std::size_t> begin = end;
-  std::vector<Side> sides(end.back());
+  std::vector<CellSide> sides(end.back());
   std::vector<std::array<CellNumber, 3>> result(mesh.triangles.size(), {-1, -1, -1});
-  for_each_side([&](VertexIndex low, const Side& side) {
+  for_each_side([&](VertexIndex low, const CellSide& side) {
     for (std::size_t i = begin[low]; i < end[low]; ++i) {
       if (sides[i].high != side.high) continue;
       result[index(side.cell)][side.edge] = sides[i].cell;
@@ -159,7 +159,7 @@ void fill_gaps(RoofCells& cells) {
   std::vector<MemberNumber> filled = cells.member;
   for (std::size_t start = 0; start < cells.size(); ++start) {
     if (filled[start] >= 0) continue;
-    constexpr MemberNumber kNone = -1, kFound = -2;
+    constexpr MemberNumber kInNone = -1, kFound = -2;
     std::vector<CellNumber> gap{static_cast<CellNumber>(start)};
     std::map<MemberNumber, double> borders;
     filled[start] = kFound;
@@ -169,7 +169,7 @@ void fill_gaps(RoofCells& cells) {
         if (n < 0) continue;
         if (cells.member[index(n)] >= 0) {
           borders[cells.member[index(n)]] += cells.edge_length(gap[k], e);
-        } else if (filled[index(n)] == kNone) {
+        } else if (filled[index(n)] == kInNone) {
           filled[index(n)] = kFound;
           gap.push_back(n);
         }

@@ -21,7 +21,6 @@ namespace {
 
 using NodeId = Partition::NodeId;
 using EdgeId = Partition::EdgeId;
-constexpr std::size_t kNone = Partition::kNone;
 
 constexpr double kTolerance = 0.5;  ///< Metres that a line may leave the border of the cells.
 constexpr double kSnap = 0.75;      ///< Metres: borders so near to where two planes meet run there.
@@ -133,7 +132,7 @@ class Tracing {
 
   NodeId node_at(VertexIndex v) {
     NodeId& node = node_[v];
-    if (node == kNone) {
+    if (node == Partition::kNone) {
       const Point2 p = cells_.mesh.points[v];
       node = lines_.add_node(p, corners_.contains({p.x, p.y}), false);
     }
@@ -141,7 +140,7 @@ class Tracing {
   }
 
   void add_borders() {
-    node_.assign(cells_.mesh.points.size(), kNone);
+    node_.assign(cells_.mesh.points.size(), Partition::kNone);
     for (std::size_t c = 0; c < cells_.size(); ++c)
       for (std::size_t e = 0; e < 3; ++e) {
         const CellNumber d = cells_.neighbours[c][e];

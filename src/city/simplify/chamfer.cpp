@@ -18,7 +18,7 @@ namespace {
 using grid::distance;
 
 /// What rounding two points to the grid may take from their distance, and some.
-constexpr double kRounding = 1.5;
+constexpr double kCutRounding = 1.5;
 
 /// Whether the angle between a and b, seen from the tip, has a larger cosine.
 bool is_sharper(Point2 a, Point2 tip, Point2 b, double cosine) {
@@ -79,7 +79,7 @@ class CornerChamfer {
     // The width at the same distance from the tip along both walls is 2 sin(angle / 2) of it.
     const double half_sine =
         std::sqrt((1 - std::sqrt(std::max(0.0, 1 - walls.sine * walls.sine))) / 2);
-    const double rest = options_.epsilon + kRounding;
+    const double rest = options_.epsilon + kCutRounding;
     const double reach = rest / (2 * half_sine);
     if (cut_off(v, walls, reach)) return true;
     // What would be left at its foot may be in the way of others: then all of it goes, or none.
@@ -102,7 +102,7 @@ class CornerChamfer {
     const Point2 tip = o_.at(v), a = o_.at(c.first), b = o_.at(c.last);
     const double la = walls.la, lb = walls.lb;
     // What would be left of a wall is not to be a short edge: then all of the wall goes.
-    const double rest = options_.epsilon + kRounding;
+    const double rest = options_.epsilon + kCutRounding;
     bool all_of_a = la - reach < rest, all_of_b = lb - reach < rest;
     if (all_of_a) reach = std::max(reach, la);
     if (all_of_b) reach = std::max(reach, lb);
@@ -136,7 +136,7 @@ class CornerChamfer {
     const double norm = std::hypot(dx, dy);
     dx /= norm, dy /= norm;
     const double turn = grid::orientation(tip, a, b) > 0 ? 1 : -1;
-    const double least_width = options_.epsilon + kRounding;
+    const double least_width = options_.epsilon + kCutRounding;
     const double twice_area = std::abs(grid::twice_area(tip, a, b));
     for (const double shorter : {0.0, 0.5, 0.8}) {
       if (walls.is_most(shorter * shorter * twice_area)) break;

@@ -13,7 +13,7 @@ namespace tetropolis {
 
 namespace {
 
-constexpr double kRounding = 20;  // steps: how far offsets there and back may be off
+constexpr double kOffsetRounding = 20;  // steps: how far offsets there and back may be off
 constexpr double kOverlap = 5;
 
 /// The walls of a polygon, to be asked which points are at them.
@@ -30,9 +30,9 @@ class Walls {
   }
 
   bool has(Point2 p) const {
-    return index_.any(Bounds2{p.x, p.y, p.x, p.y}.grown(kRounding), [&](LineIndex e) {
+    return index_.any(Bounds2{p.x, p.y, p.x, p.y}.grown(kOffsetRounding), [&](LineIndex e) {
       const Point2 q = grid::nearest_on_segment(p, edges_[e].first, edges_[e].second);
-      return grid::distance(p, q) <= kRounding;
+      return grid::distance(p, q) <= kOffsetRounding;
     });
   }
 
@@ -46,7 +46,7 @@ std::size_t mouths(const Ring& ring, const Walls& walls) {
   std::vector<bool> is_open;
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Point2 a = ring[i], b = ring[(i + 1) % ring.size()];
-    if (grid::distance(a, b) <= 2 * kRounding) continue;  // Its ends tell.
+    if (grid::distance(a, b) <= 2 * kOffsetRounding) continue;  // Its ends tell.
     is_open.push_back(!walls.has({(a.x + b.x) / 2, (a.y + b.y) / 2}));
   }
   std::size_t count = 0;
@@ -65,8 +65,8 @@ std::vector<Polygon> dead_end_fills(const Polygon& polygon, double width) {
   const geos::Result closed = offset(geos::offset(whole, width / 2 - 1), 1 - width / 2);
   if (!closed) return {};
   // Without the films along walls that rounding leaves.
-  const geos::Result gaps =
-      offset(offset(geos::subtract(*closed, whole, 0), -kRounding), kRounding + kOverlap);
+  const geos::Result gaps = offset(offset(geos::subtract(*closed, whole, 0), -kOffsetRounding),
+                                   kOffsetRounding + kOverlap);
   if (!gaps || gaps->empty()) return {};
   const Walls walls(polygon);
   std::vector<Polygon> fills;

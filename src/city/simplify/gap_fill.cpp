@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::ptrdiff_t kMostPairs = 12;  // of one vertex
 /// Pairs of one polygon from which on it gets no more gap fills than it needs.
-constexpr std::int32_t kCrowd = 50'000;
+constexpr std::int32_t kCrowdOfPairs = 50'000;
 
 /// Whether leaving vertex v towards q one is inside the polygon.
 bool leads_inside(const Outline& o, OutlineVertex v, Point2 q) {
@@ -210,7 +210,7 @@ class Crowds {
   Crowds(const Outline& o, const std::vector<NearPair>& pairs) : o_(o), pairs_(o.changed.size()) {
     for (const NearPair& pair : pairs) ++pairs_[o.polygon_of(pair.vertex)];
   }
-  bool has(OutlineVertex v) const { return pairs_[o_.polygon_of(v)] >= kCrowd; }
+  bool has(OutlineVertex v) const { return pairs_[o_.polygon_of(v)] >= kCrowdOfPairs; }
   /// Whether it is asked about these two walls for the first time.
   bool is_new(OutlineVertex e, OutlineVertex f) { return seen_.insert(std::minmax(e, f)).second; }
 

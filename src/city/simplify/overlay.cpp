@@ -96,13 +96,14 @@ std::vector<Polygon> or_else(std::span<const Polygon> polygons, geos::Result fir
 
 constexpr std::size_t kFewPolygons = 256;
 
-constexpr double kMargin = 2;  // steps, beyond any rounding
+constexpr double kOverlayMargin = 2;  // steps, beyond any rounding
 
 /// Boxes in the order of their left sides, to be asked which of them meet another.
 class Boxes {
  public:
   explicit Boxes(std::vector<Bounds2> boxes) {
-    for (std::size_t i = 0; i < boxes.size(); ++i) boxes_.emplace_back(boxes[i].grown(kMargin), i);
+    for (std::size_t i = 0; i < boxes.size(); ++i)
+      boxes_.emplace_back(boxes[i].grown(kOverlayMargin), i);
     std::sort(boxes_.begin(), boxes_.end(),
               [](const auto& a, const auto& b) { return a.first.xmin < b.first.xmin; });
     for (const auto& [box, i] : boxes_) widest_ = std::max(widest_, box.width());
@@ -275,7 +276,7 @@ class FillFinder {
   explicit FillFinder(std::span<const Polygon> fills)
       : fills_(fills),
         boxes_(boxes_of(fills)),
-        outline_(outline_for(pointers_to(fills), kMargin)) {}
+        outline_(outline_for(pointers_to(fills), kOverlayMargin)) {}
 
   /// Those that meet the hole, up to a margin, or stand within it, or it within them; in order.
   std::vector<Polygon> meeting(const Ring& hole) const {
@@ -283,9 +284,9 @@ class FillFinder {
     std::vector<std::size_t> found;
     for (std::size_t k = 0; k < hole.size(); ++k) {
       const Point2 a = hole[k], b = hole[(k + 1) % hole.size()];
-      outline_.grid.visit_cells_near(a, b, kMargin, [&](std::size_t cell) {
+      outline_.grid.visit_cells_near(a, b, kOverlayMargin, [&](std::size_t cell) {
         outline_.grid.visit_cell(cell, [&](OutlineVertex e) {
-          if (grid::are_near(a, b, outline_.at(e), outline_.at(outline_.after(e)), kMargin))
+          if (grid::are_near(a, b, outline_.at(e), outline_.at(outline_.after(e)), kOverlayMargin))
             found.push_back(outline_.polygon_of(e));
         });
       });
@@ -424,7 +425,7 @@ void start_at_lowest(Ring& ring) {
 /// Moves what is apart from all others of many polygons to `apart`, as a union would return it.
 /// GEOS compares all walls whose boxes meet, and boxes of rings around each other all do.
 void take_out_apart(std::vector<Polygon>& polygons, std::vector<Polygon>& apart) {
-  const std::vector<std::int32_t> cluster = cluster_polygons(polygons, kMargin);
+  const std::vector<std::int32_t> cluster = cluster_polygons(polygons, kOverlayMargin);
   std::vector<std::int32_t> size(polygons.size(), 0);
   for (const std::int32_t c : cluster) ++size[static_cast<std::size_t>(c)];
   std::size_t kept = 0;

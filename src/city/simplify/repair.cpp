@@ -50,7 +50,7 @@ constexpr std::int32_t kMostHoleVertices = 12;
 constexpr double kMostHoleArea = 4;
 /// Where a change touches more vertices than this, those with a change in the queue are rated anew
 /// only when it is their turn: a vertex among thousands would be rated once for each of them.
-constexpr std::size_t kCrowd = 32;
+constexpr std::size_t kCrowdOfDefects = 32;
 /// Where it touches more than this, those without a change are put off until the queue is empty:
 /// nearly none of them gets one, and each would be rated once for every change.
 constexpr std::size_t kThrong = 256;
@@ -365,7 +365,7 @@ void Repairer::queue_touched() {
   sort_once(touched_);
   const std::vector<OutlineVertex> again = std::move(touched_);
   touched_.clear();
-  const bool is_crowd = again.size() > kCrowd, is_throng = again.size() > kThrong;
+  const bool is_crowd = again.size() > kCrowdOfDefects, is_throng = again.size() > kThrong;
   for (const OutlineVertex v : again) {
     if (!o_.alive(v)) continue;
     const bool waits = waits_[v] != 0;

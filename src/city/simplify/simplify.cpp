@@ -43,7 +43,7 @@ constexpr int kChamferRounds = 8;    ///< Corners whose neighbours change; two d
 constexpr double kSharpCornerDeg = 13.5;
 /// What sharp corners without room for anything else may take with them; little of a building.
 constexpr double kSmallArea = 25 * grid::kSquareMetre;
-constexpr double kMargin = 3;  ///< Steps, at the domain's boundary.
+constexpr double kDomainMargin = 3;  ///< Steps, at the domain's boundary.
 constexpr double kMaxShift = 0.02 * grid::kSteps;
 constexpr const char* kTooThin = "too small or narrow for the merge distance";
 constexpr const char* kAtBoundary = "closer than the merge distance to the domain boundary";
@@ -129,7 +129,7 @@ Simplifier::Simplifier(std::span<const Polygon> cleaned, const Domain& domain,
       progress_(progress),
       // Not a step more where the product is a little above a whole number.
       epsilon_(std::ceil(options.min_distance * grid::kSteps - 1e-6)),
-      keep_inside_(in_steps(domain).inset(epsilon_ + kMargin)),
+      keep_inside_(in_steps(domain).inset(epsilon_ + kDomainMargin)),
       input_(cleaned, keep_inside_) {}
 
 void Simplifier::clip_to_domain() {

@@ -85,7 +85,7 @@ std::vector<Polygon> project_faces(const std::vector<const Face*>& faces) {
   return polygons;
 }
 
-constexpr double kFlat = 0.5;  // Steeper than 60 degrees is no floor.
+constexpr double kFloorCosine = 0.5;  // Steeper than 60 degrees is no floor.
 constexpr double kNotWall = 0.01;
 
 std::vector<const Face*> select(std::span<const Face> faces, double low, double high) {
@@ -131,7 +131,7 @@ constexpr double kAtBottom = 0.5;  // metres
 /// Those that look down, but for soffits in the upper half; and those at the very bottom that look
 /// up: a face that is turned the wrong way belongs to the ground all the same.
 std::vector<const Face*> ground_faces(const std::vector<Face>& faces) {
-  std::vector<const Face*> ground = select(faces, -1, -kFlat);
+  std::vector<const Face*> ground = select(faces, -1, -kFloorCosine);
   double low = kInfinity, high = -low;
   for (const Face& face : faces) {
     const auto [lowest, highest] = elevations(face);
@@ -140,7 +140,7 @@ std::vector<const Face*> ground_faces(const std::vector<Face>& faces) {
   }
   const double middle = (low + high) / 2;
   std::erase_if(ground, [&](const Face* face) { return elevations(*face).first > middle; });
-  for (const Face* face : select(faces, kFlat, 1))
+  for (const Face* face : select(faces, kFloorCosine, 1))
     if (elevations(*face).second <= low + kAtBottom) ground.push_back(face);
   return ground;
 }
@@ -189,7 +189,7 @@ std::vector<Polygon> ground_polygons(const std::vector<Face>& faces) {
   double level = -kInfinity;
   for (const Face* face : ground) level = std::max(level, elevations(*face).second);
   // Where none looks down, what is lowest may be a roof.
-  const bool looks_down = !select(faces, -1, -kFlat).empty();
+  const bool looks_down = !select(faces, -1, -kFloorCosine).empty();
   const bool is_whole =
       !grounds.empty() &&
       ((looks_down && total_area(grounds) >= kMostOfRoof * total_area(unite(above))) ||

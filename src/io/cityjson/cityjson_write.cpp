@@ -25,12 +25,12 @@ namespace tetropolis {
 
 namespace {
 
-using Buffer = fmt::memory_buffer;
+using Text = fmt::memory_buffer;
 
-void put(Buffer& out, std::string_view text) { out.append(text.data(), text.data() + text.size()); }
+void put(Text& out, std::string_view text) { out.append(text.data(), text.data() + text.size()); }
 
 /// The shortest text that reads back as the same double. Precondition: finite.
-void put_number(Buffer& out, double value) {
+void put_number(Text& out, double value) {
   assert(std::isfinite(value));
   std::array<char, 32> text{};
   const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);
@@ -39,12 +39,12 @@ void put_number(Buffer& out, double value) {
 }
 
 /// Bytes that are no UTF-8 become the replacement character.
-void put_string(Buffer& out, const std::string& text) {
+void put_string(Text& out, const std::string& text) {
   put(out, nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 template <typename List, typename Put>
-void put_list(Buffer& out, const List& list, const Put& put_item) {
+void put_list(Text& out, const List& list, const Put& put_item) {
   out.push_back('[');
   bool first = true;
   for (const auto& item : list) {
@@ -115,7 +115,7 @@ RingIndices index_ring(VertexTable& vertices, const Ring& ring, bool counter_clo
 }
 
 /// The footprint between h_ground and h_roof.
-void put_block(Buffer& out, const Building& building, VertexTable& vertices) {
+void put_block(Text& out, const Building& building, VertexTable& vertices) {
   std::vector<RingIndices> rings = {index_ring(vertices, building.footprint.outer, true, building)};
   for (const Ring& hole : building.footprint.holes)
     rings.push_back(index_ring(vertices, hole, false, building));
@@ -143,7 +143,7 @@ void put_block(Buffer& out, const Building& building, VertexTable& vertices) {
 }
 
 /// What the roof of a part rests on, as a semantic surface.
-void put_roof_surface(Buffer& out, const RoofPart& part, const SolidFace& face, Point2 origin) {
+void put_roof_surface(Text& out, const RoofPart& part, const SolidFace& face, Point2 origin) {
   put(out, "{\"type\":\"RoofSurface\",\"source_id\":");
   put_string(out, part.source_id);
   fmt::format_to(std::back_inserter(out), ",\"lod\":\"{}\",\"slope\":", name_of(part.lod));
@@ -171,8 +171,7 @@ void put_roof_surface(Buffer& out, const RoofPart& part, const SolidFace& face, 
 }
 
 /// The prisms below the roofs of the parts, as one body.
-void put_parts(Buffer& out, const Building& building, Lod lod, Point2 origin,
-               VertexTable& vertices) {
+void put_parts(Text& out, const Building& building, Lod lod, Point2 origin, VertexTable& vertices) {
   const std::vector<SolidFace> faces = roof_solid(building);
   put(out, fmt::format("{{\"type\":\"Solid\",\"lod\":\"{}\",\"boundaries\":[", name_of(lod)));
   put_list(out, faces, [&](const SolidFace& face) {
@@ -202,7 +201,7 @@ void put_parts(Buffer& out, const Building& building, Lod lod, Point2 origin,
   put(out, "]}}");
 }
 
-void put_geometry(Buffer& out, const Building& building, Point2 origin, VertexTable& vertices) {
+void put_geometry(Text& out, const Building& building, Point2 origin, VertexTable& vertices) {
   out.push_back('[');
   // The parts' solid has the highest level of any part, and is the only one of its level.
   const Lod lod = std::max(Lod::k1_2, highest_lod(building.parts));
@@ -216,7 +215,7 @@ void put_geometry(Buffer& out, const Building& building, Point2 origin, VertexTa
 }
 
 /// Attributes that are computed from the parts, and not read.
-void put_summary(Buffer& out, const Building& building) {
+void put_summary(Text& out, const Building& building) {
   const auto put_thousandths = [&](double v) { put_number(out, std::nearbyint(v * 1000) / 1000); };
   fmt::format_to(std::back_inserter(out),
                  ",\"n_parts\":{},\"lod\":\"{}\",\"volume\":", building.parts.size(),
@@ -228,7 +227,7 @@ void put_summary(Buffer& out, const Building& building) {
   }
 }
 
-void put_building(Buffer& out, const Building& building, Point2 origin, VertexTable& vertices) {
+void put_building(Text& out, const Building& building, Point2 origin, VertexTable& vertices) {
   const auto put_text = [&](const std::string& text) { put_string(out, text); };
   put_string(out, building.id);
   put(out, ":{\"type\":\"Building\",\"attributes\":{\"tetropolis_id\":");
@@ -252,7 +251,7 @@ void put_building(Buffer& out, const Building& building, Point2 origin, VertexTa
   out.push_back('}');
 }
 
-void put_metadata(Buffer& out, const CityModel& model, const std::string& title,
+void put_metadata(Text& out, const CityModel& model, const std::string& title,
                   const std::string& crs, const VertexTable& vertices) {
   const char* separator = "\"metadata\":{";
   const auto name = [&](const std::string& key) {
@@ -281,7 +280,7 @@ void put_metadata(Buffer& out, const CityModel& model, const std::string& title,
   put(out, *separator == ',' ? "},\n" : "\"metadata\":{},\n");
 }
 
-void put_account(Buffer& out, const CityModel& model, const std::string& crs) {
+void put_account(Text& out, const CityModel& model, const std::string& crs) {
   const auto put_value = [&](double v) { put_number(out, v); };
   put_string(out, kExtensionMember);
   put(out, ":{\"origin\":");
@@ -328,12 +327,12 @@ void write_city(const std::filesystem::path& path, const CityModel& model,
                 const std::string& title) {
   const std::string crs = normalise_crs(model.crs);
   VertexTable vertices;
-  Buffer objects;
+  Text objects;
   for (const Building& building : model.buildings) {
     if (objects.size() > 0) put(objects, ",\n");
     put_building(objects, building, model.origin, vertices);
   }
-  Buffer out;
+  Text out;
   put(out, "{\"type\":\"CityJSON\",\"version\":\"2.0\",\n");
   put(out, fmt::format("\"extensions\":{{\"Tetropolis\":{{\"url\":\"{}\",\"version\":\"{}\"}}}},\n",
                        kExtensionUrl, kExtensionVersion));

@@ -65,9 +65,9 @@ bool has_volume(const std::vector<Face>& faces, const Building& building) {
 }
 
 /// The corners of a footprint, to be asked which places are at one of them.
-class Corners {
+class FootprintCorners {
  public:
-  explicit Corners(const Polygon& footprint) {
+  explicit FootprintCorners(const Polygon& footprint) {
     for_each_edge(footprint, [&](Point2 a, Point2) { corners_.push_back(a); });
     std::sort(corners_.begin(), corners_.end(), comes_before);
   }
@@ -93,7 +93,7 @@ class Corners {
 }  // namespace
 
 bool is_prism(const std::vector<Face>& faces, const Building& building) {
-  const Corners corners(building.footprint);
+  const FootprintCorners corners(building.footprint);
   const auto is_at = [](const Point3& p, double z) { return std::abs(p[2] - z) <= kRounding; };
   for (const Face& face : faces) {
     const bool may_be_ground = !face.is_roof, may_be_roof = !face.is_ground;

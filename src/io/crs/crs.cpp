@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <map>
 #include <mutex>
 #include <numbers>
@@ -16,6 +15,7 @@
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/crs/metric_crs.h"
 
+#include "core/infinity.h"
 #include "core/is_among.h"
 #include "core/text.h"
 #include "gdal_support.h"
@@ -299,7 +299,6 @@ double vertical_unit_metres(const std::string& text) {
 }
 
 double length_scale(const std::string& crs, Point2 at) {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   if (crs.empty() || is_geographic(crs)) return kNaN;
   const gdal::Srs srs = require_srs(crs);
   const gdal::QuietErrors errors;
@@ -358,7 +357,6 @@ std::vector<Point2> reproject(std::span<const Point2> points, const std::string&
   std::vector<double> x(kBlock);
   std::vector<double> y(kBlock);
   std::vector<int> good(kBlock);
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t begin = 0; begin < result.size(); begin += kBlock) {
     const std::size_t count = std::min(kBlock, result.size() - begin);
     for (std::size_t i = 0; i < count; ++i) {

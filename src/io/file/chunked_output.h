@@ -14,6 +14,9 @@
 
 namespace tetropolis {
 
+/// Of a table, for write_chunked: some hundred kilobytes.
+inline constexpr std::size_t kRowsPerChunk = 16384;
+
 /// How many of `items` items, which have `bytes` bytes in all, make a chunk for write_chunked: so
 /// few that it stays in a core's cache until it is written, and so many that the system takes large
 /// pages for it.

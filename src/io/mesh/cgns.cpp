@@ -30,7 +30,7 @@ static_assert(std::endian::native == std::endian::little, "CGNS output writes na
 
 constexpr const char* kData = " data";  ///< The dataset of a node.
 constexpr const char* kZone = "/Base/Zone1";
-constexpr std::int32_t kTetra = 10, kPenta = 14, kTriangle = 5, kQuad = 7;  // ElementType_t
+constexpr std::int32_t kTetra4 = 10, kPenta6 = 14, kTri3 = 5, kQuad4 = 7;  // ElementType_t
 
 /// Makes the nodes of the tree: a node is a group, with its name, label and type as attributes, and
 /// what it holds as a dataset.
@@ -193,18 +193,18 @@ std::vector<Section> sections_of(const std::vector<ZoneBlock>& blocks, const Cel
     if (count > 0) sections.push_back({name, type, first, count, corners});
     first += count;
   };
-  add("air", kTetra, blocks[0].count, 4);
-  add("air_layers", kPenta, blocks[1].count, 6);
+  add("air", kTetra4, blocks[0].count, 4);
+  add("air_layers", kPenta6, blocks[1].count, 6);
   for (std::size_t z = 1; z < blocks.size() / 2; ++z) {
     const std::string& name = zones.zones[z - 1].name;
     const std::size_t tets = blocks[2 * z].count, prisms = blocks[2 * z + 1].count;
-    add(name, kTetra, tets, 4);
-    add(tets > 0 ? fmt::format("layers_{}", z) : name, kPenta, prisms, 6);
+    add(name, kTetra4, tets, 4);
+    add(tets > 0 ? fmt::format("layers_{}", z) : name, kPenta6, prisms, 6);
   }
   for (const PatchFaces& range : patches) {
     const std::string& name = surface.patches.of(range.patch).name;
-    add(name, kTriangle, range.triangles, 3);
-    add(range.triangles > 0 ? fmt::format("quads_{}", static_cast<int>(range.patch)) : name, kQuad,
+    add(name, kTri3, range.triangles, 3);
+    add(range.triangles > 0 ? fmt::format("quads_{}", static_cast<int>(range.patch)) : name, kQuad4,
         range.quads, 4);
   }
   return sections;

@@ -18,8 +18,6 @@ namespace tetropolis {
 
 namespace {
 
-// Rows formatted at a time by a thread: some hundred kilobytes of output.
-constexpr std::size_t kRows = 16384;
 // Numbers of zones; that of a patch is kFirstPatch more than its number, and those of cells that
 // have one come after all patches.
 constexpr int kNodeZone = 1, kCellZone = 2, kInteriorZone = 3, kFirstPatch = 10;
@@ -120,7 +118,7 @@ void write_patch(AtomicFile& file, const SurfaceMesh& surface, const PatchFaces&
   const int type = type_of(range.triangles, range.quads);
   const std::size_t first = interior + range.first;
   file.write(begin_faces(zone_of(range.patch), first, first + range.faces(), boundary, type));
-  write_chunked(file, range.faces(), kRows,
+  write_chunked(file, range.faces(), kRowsPerChunk,
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
                   std::size_t f = begin;
                   for_each_face_of(surface, range, begin, end, [&](const auto& nodes) {
@@ -142,7 +140,7 @@ void write_cell_types(AtomicFile& file, int zone, std::size_t first, const CellC
                          kFluid, type));
   if (type == kMixed) {
     file.write("(\n");
-    write_chunked(file, cells.all(), kRows,
+    write_chunked(file, cells.all(), kRowsPerChunk,
                   [&](std::size_t begin, std::size_t end, std::string& buffer) {
                     for (std::size_t c = begin; c < end; ++c) {
                       buffer += std::to_string(c < cells.tets ? kTets : kWedges);

@@ -28,7 +28,6 @@ static_assert(std::endian::native == std::endian::little, "GLB output writes nat
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kGrain = 32768;
 constexpr std::uint32_t kMagic = 0x46546C67;      // "glTF"
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A;  // "JSON"
 constexpr std::uint32_t kDataChunk = 0x004E4942;  // "BIN"
@@ -78,13 +77,13 @@ struct Values {
 };
 
 /// What is known of the file while it is described: its JSON and the bytes behind that.
-struct Description {
+struct Asset {
   Json json;
   std::size_t data_bytes = 0;
 };
 
 /// Adds a stretch of the buffer; returns its number.
-std::size_t add_view(Description& file, std::size_t bytes) {
+std::size_t add_view(Asset& file, std::size_t bytes) {
   Json& views = file.json["bufferViews"];
   views.push_back({{"buffer", 0}, {"byteOffset", file.data_bytes}, {"byteLength", bytes}});
   file.data_bytes += bytes;
@@ -92,7 +91,7 @@ std::size_t add_view(Description& file, std::size_t bytes) {
 }
 
 /// Adds a stretch of the buffer and what it holds; returns the number of the accessor.
-std::size_t add_accessor(Description& file, const Values& values) {
+std::size_t add_accessor(Asset& file, const Values& values) {
   const std::size_t view = add_view(file, values.bytes);
   file.json["bufferViews"][view]["target"] = values.target;
   Json& accessors = file.json["accessors"];
@@ -136,7 +135,7 @@ std::vector<Part> split_by_patch(const SurfaceMesh& surface, bool with_features)
   return parts;
 }
 
-void add_part(Description& file, const Part& part) {
+void add_part(Asset& file, const Part& part) {
   const SurfaceMesh& surface = part.surface;
   constexpr float inf = std::numeric_limits<float>::infinity();
   std::array<float, 3> low{inf, inf, inf}, high{-inf, -inf, -inf};
@@ -179,7 +178,7 @@ void add_part(Description& file, const Part& part) {
 }
 
 /// A column of texts: their bytes, and where each begins and the last ends.
-struct Texts {
+struct StringTable {
   std::string bytes;
   std::string offsets = std::string(sizeof(std::uint32_t), '\0');
   void add(const std::string& text) {
@@ -190,7 +189,7 @@ struct Texts {
 
 /// Describes the table of buildings, whose rows are the features; returns its bytes. Its columns
 /// begin at multiples of eight bytes, as EXT_structural_metadata asks for.
-std::string add_table(Description& file, std::span<const Building> buildings) {
+std::string add_table(Asset& file, std::span<const Building> buildings) {
   std::string table;
   const auto pad = [&] {
     while (file.data_bytes % 8 != 0) {
@@ -203,7 +202,7 @@ std::string add_table(Description& file, std::span<const Building> buildings) {
     table += bytes.empty() ? std::string(1, '\0') : bytes;  // no view is empty
     return add_view(file, std::max<std::size_t>(bytes.size(), 1));
   };
-  Texts ids, sources;
+  StringTable ids, sources;
   std::string source_counts(sizeof(std::uint32_t), '\0'), grounds, roofs;
   std::uint32_t source_count = 0;
   for (const Building& building : buildings) {
@@ -243,7 +242,7 @@ std::string add_table(Description& file, std::span<const Building> buildings) {
 
 void write_part(AtomicFile& file, const Part& part) {
   const auto write = [&](const auto& items, const auto& append) {
-    write_chunked(file, items.size(), kGrain,
+    write_chunked(file, items.size(), kRowsPerChunk,
                   [&](std::size_t begin, std::size_t end, std::string& buffer) {
                     for (std::size_t i = begin; i < end; ++i) append(items[i], buffer);
                   });
@@ -264,7 +263,7 @@ void write_part(AtomicFile& file, const Part& part) {
 void write_glb(const std::filesystem::path& path, const SurfaceMesh& surface,
                const Placement& placement, std::span<const Building> buildings) {
   const std::vector<Part> parts = split_by_patch(surface, !buildings.empty());
-  Description description;
+  Asset description;
   const auto& [shift, origin] = placement;
   description.json["asset"] = {
       {"version", "2.0"},

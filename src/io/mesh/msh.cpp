@@ -22,10 +22,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "MSH output writes native byte order");
 
-// Rows formatted at a time by a thread: some hundred kilobytes of output.
-constexpr std::size_t kRows = 32768;
-constexpr std::int32_t kTriangle = 2, kQuad = 3, kTet = 4, kPrism = 6;
-
 /// Lowest and highest coordinates.
 struct Box {
   std::array<double, 3> low;
@@ -95,9 +91,10 @@ void write_nodes(AtomicFile& file, const ColumnMesh& mesh, const Placement& plac
   for (const std::int32_t entity : {3, kAirPhysicalGroup, 0}) append_raw(begin_block, entity);
   append_size(begin_block, nodes);
   file.write(begin_block);
-  write_chunked(file, nodes, kRows, [&](std::size_t begin, std::size_t end, std::string& buffer) {
-    for (std::size_t n = begin; n < end; ++n) append_size(buffer, n + 1);
-  });
+  write_chunked(file, nodes, kRowsPerChunk,
+                [&](std::size_t begin, std::size_t end, std::string& buffer) {
+                  for (std::size_t n = begin; n < end; ++n) append_size(buffer, n + 1);
+                });
   write_chunked(
       file, point_rows(mesh), grain_for(point_rows(mesh), nodes * 3 * sizeof(double)),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
@@ -124,9 +121,9 @@ void write_faces(AtomicFile& file, const std::vector<PatchFaces>& patches,
       const std::size_t count = quads ? range.quads : range.triangles;
       if (count == 0) continue;
       file.write(begin_elements(2, static_cast<std::int32_t>(range.patch),
-                                quads ? kQuad : kTriangle, count));
+                                quads ? kMshQuad : kMshTriangle, count));
       write_chunked(
-          file, count, kRows, [&](std::size_t begin, std::size_t end, std::string& buffer) {
+          file, count, kRowsPerChunk, [&](std::size_t begin, std::size_t end, std::string& buffer) {
             std::size_t element = range.first + first + begin;
             for_each_face_of(surface, range, first + begin, first + end, [&](const auto& nodes) {
               append_size(buffer, ++element);
@@ -189,14 +186,14 @@ void write_msh(const std::filesystem::path& path, const ColumnMesh& mesh,
   file.write(begin);
   write_faces(file, patches, surface);
   const std::size_t tet_rows = cells.size() - 1;
-  write_cells(file, mesh, cells, zones, in_zones[0].count, 0, tet_rows, kTet, faces,
+  write_cells(file, mesh, cells, zones, in_zones[0].count, 0, tet_rows, kMshTet, faces,
               portion(progress, 0.2, 0.9));
-  write_cells(file, mesh, cells, zones, in_zones[1].count, tet_rows, cell_rows(mesh, cells), kPrism,
-              faces, portion(progress, 0.9, 1));
+  write_cells(file, mesh, cells, zones, in_zones[1].count, tet_rows, cell_rows(mesh, cells),
+              kMshPrism, faces, portion(progress, 0.9, 1));
   for (std::size_t b = 2; b < in_zones.size(); ++b) {
     if (in_zones[b].count == 0) continue;
     file.write(begin_elements(3, volume_group(static_cast<std::int32_t>(b / 2)),
-                              b % 2 == 0 ? kTet : kPrism, in_zones[b].count));
+                              b % 2 == 0 ? kMshTet : kMshPrism, in_zones[b].count));
     file.write(in_zones[b].elements);
   }
   file.write("\n$EndElements\n");

@@ -17,10 +17,6 @@ namespace tetropolis {
 
 namespace {
 
-// Rows formatted at a time by a thread: some hundred kilobytes of output.
-constexpr std::size_t kRows = 16384;
-constexpr int kTriangle = 2, kQuad = 3, kTet = 4, kPrism = 6;
-
 /// An element with two tags, physical group and entity, which are the same; its nodes follow.
 void append_element(std::string& buffer, std::size_t number, int type, int group) {
   fmt::format_to(std::back_inserter(buffer), "{} {} 2 {} {}", number, type, group, group);
@@ -30,8 +26,8 @@ void append_node(std::string& buffer, NodeIndex node) {
   fmt::format_to(std::back_inserter(buffer), " {}", node.value() + 1);
 }
 
-void write_nodes(AtomicFile& file, const ColumnMesh& mesh, const Placement& placement,
-                 const Progress& progress) {
+void write_msh2_nodes(AtomicFile& file, const ColumnMesh& mesh, const Placement& placement,
+                      const Progress& progress) {
   file.write(fmt::format("$Nodes\n{}\n", mesh.node_count()));
   constexpr std::uint64_t kBytes = 50;  // of a row, about
   const auto bytes = static_cast<std::uint64_t>(mesh.node_count()) * kBytes;
@@ -46,14 +42,14 @@ void write_nodes(AtomicFile& file, const ColumnMesh& mesh, const Placement& plac
   file.write("$EndNodes\n");
 }
 
-void write_faces(AtomicFile& file, const std::vector<PatchFaces>& patches,
-                 const SurfaceMesh& surface) {
+void write_msh2_faces(AtomicFile& file, const std::vector<PatchFaces>& patches,
+                      const SurfaceMesh& surface) {
   for (const PatchFaces& range : patches)
-    write_chunked(file, range.faces(), kRows,
+    write_chunked(file, range.faces(), kRowsPerChunk,
                   [&](std::size_t begin, std::size_t end, std::string& buffer) {
                     std::size_t element = range.first + begin;
                     for_each_face_of(surface, range, begin, end, [&](const auto& nodes) {
-                      append_element(buffer, ++element, nodes.size() == 3 ? kTriangle : kQuad,
+                      append_element(buffer, ++element, nodes.size() == 3 ? kMshTriangle : kMshQuad,
                                      static_cast<int>(range.patch));
                       for (const NodeIndex node : nodes) append_node(buffer, node);
                       buffer += '\n';
@@ -72,7 +68,7 @@ void write_cells(AtomicFile& file, const ColumnMesh& mesh, const std::vector<Cel
         for (std::size_t row = begin; row < end; ++row)
           for_each_cell_of(mesh, cells, row, [&](const auto& nodes) {
             const std::int32_t zone = zones.empty() ? 0 : zones.of_cell[element - faces];
-            append_element(buffer, ++element, nodes.size() == 4 ? kTet : kPrism,
+            append_element(buffer, ++element, nodes.size() == 4 ? kMshTet : kMshPrism,
                            volume_group(zone));
             for (const NodeIndex node : nodes) append_node(buffer, node);
             buffer += '\n';
@@ -95,9 +91,9 @@ void write_msh2(const std::filesystem::path& path, const ColumnMesh& mesh,
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Comments\norigin {} {} {}\n$EndComments\n",
       placement.origin[0], placement.origin[1], placement.origin[2]));
   file.write(physical_names(patches, surface, zones));
-  write_nodes(file, mesh, placement, portion(progress, 0, 0.2));
+  write_msh2_nodes(file, mesh, placement, portion(progress, 0, 0.2));
   file.write(fmt::format("$Elements\n{}\n", faces + count_cells(mesh, cells).all()));
-  write_faces(file, patches, surface);
+  write_msh2_faces(file, patches, surface);
   write_cells(file, mesh, cells, zones, faces, portion(progress, 0.2, 1));
   file.write("$EndElements\n");
   file.commit();

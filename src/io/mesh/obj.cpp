@@ -16,8 +16,6 @@ namespace tetropolis {
 
 namespace {
 
-constexpr std::size_t kGrain = 8192;
-
 std::string group_line(const SurfaceMesh& surface, std::size_t f) {
   const BuildingIndex building = surface.building[f];
   const std::string& patch = surface.patch_of(f).name;
@@ -41,7 +39,7 @@ void write_obj(const std::filesystem::path& path, const SurfaceMesh& surface,
   file.write(fmt::format("# origin {} {} {}\n", placement.origin[0], placement.origin[1],
                          placement.origin[2]));
   const auto& shift = placement.shift;
-  write_chunked(file, surface.points.size(), kGrain,
+  write_chunked(file, surface.points.size(), kRowsPerChunk,
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
                   auto out = std::back_inserter(buffer);
                   for (std::size_t i = begin; i < end; ++i) {
@@ -50,7 +48,7 @@ void write_obj(const std::filesystem::path& path, const SurfaceMesh& surface,
                                    p[1] + shift[1], p[2] + shift[2]);
                   }
                 });
-  write_chunked(file, order.size(), kGrain,
+  write_chunked(file, order.size(), kRowsPerChunk,
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
                   auto out = std::back_inserter(buffer);
                   for (std::size_t i = begin; i < end; ++i) {

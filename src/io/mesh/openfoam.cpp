@@ -30,9 +30,6 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "OpenFOAM output writes native byte order");
 
-// Rows formatted at a time by a thread: some hundred kilobytes of output.
-constexpr std::size_t kRows = 32768;
-
 using Label = std::int32_t;
 
 struct Sizes {
@@ -130,7 +127,7 @@ std::vector<std::size_t> order_of_faces(const SurfaceMesh& surface, const Bounds
 /// Appends what append(f, buffer) does for the boundary faces, by their number, in that order.
 template <typename Append>
 void write_outer(AtomicFile& file, const std::vector<std::size_t>& order, const Append& append) {
-  write_chunked(file, order.size(), kRows,
+  write_chunked(file, order.size(), kRowsPerChunk,
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
                   for (std::size_t i = begin; i < end; ++i) append(order[i], buffer);
                 });
@@ -151,7 +148,7 @@ void write_faces(AtomicFile& file, const ColumnMesh& mesh, const CellFaces& cell
     const std::size_t prism = std::min(f, sizes.internal) - std::min(f, first);
     return quads[prism] + outer.quads_before(f - std::min(f, sizes.internal));
   };
-  write_chunked(file, sizes.faces() + 1, kRows,
+  write_chunked(file, sizes.faces() + 1, kRowsPerChunk,
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
                   for (std::size_t f = begin; f < end; ++f)
                     append_raw(buffer, static_cast<Label>(3 * f + quads_before(f)));

@@ -1,4 +1,4 @@
-// The section $PhysicalNames of MSH files of both versions.
+// What MSH files of both versions have in common: types of elements, and names of groups.
 #pragma once
 
 #include <cstddef>
@@ -14,6 +14,8 @@
 
 namespace tetropolis {
 
+inline constexpr int kMshTriangle = 2, kMshQuad = 3, kMshTet = 4, kMshPrism = 6;
+
 /// Of the cells with this number of CellZones::of_cell.
 inline int volume_group(std::int32_t zone) { return kAirPhysicalGroup + zone; }
 
@@ -25,7 +27,7 @@ inline std::vector<std::int32_t> volumes_of(const CellZones& zones) {
   return volumes;
 }
 
-/// Patches by their number, the air and zones in it.
+/// The section $PhysicalNames: patches by their number, the air and zones in it.
 inline std::string physical_names(const std::vector<PatchFaces>& patches,
                                   const SurfaceMesh& surface, const CellZones& zones) {
   const std::vector<std::int32_t> volumes = volumes_of(zones);

@@ -15,8 +15,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "PLY output writes native byte order");
 
-constexpr std::size_t kGrain = 32768;
-
 }  // namespace
 
 void write_ply(const std::filesystem::path& path, const SurfaceMesh& surface,
@@ -29,13 +27,13 @@ void write_ply(const std::filesystem::path& path, const SurfaceMesh& surface,
       "end_header\n",
       placement.origin[0], placement.origin[1], placement.origin[2], surface.points.size(),
       surface.triangles.size()));
-  write_chunked(file, surface.points.size(), kGrain,
+  write_chunked(file, surface.points.size(), kRowsPerChunk,
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
                   for (std::size_t i = begin; i < end; ++i)
                     for (std::size_t c = 0; c < 3; ++c)
                       append_raw(buffer, surface.points[i][c] + placement.shift[c]);
                 });
-  write_chunked(file, surface.triangles.size(), kGrain,
+  write_chunked(file, surface.triangles.size(), kRowsPerChunk,
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
                   for (std::size_t f = begin; f < end; ++f) {
                     append_raw(buffer, std::uint8_t{3});

@@ -22,11 +22,10 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "STL output writes native byte order");
 
-constexpr std::size_t kGrain = 16384;
 constexpr std::size_t kHeader = 80;
 constexpr std::size_t kBegin = kHeader + sizeof(std::uint32_t);
-constexpr std::size_t kTriangle = 12 * sizeof(float) + sizeof(std::uint16_t);
-constexpr std::string_view kOrigin = "tetropolis origin ";
+constexpr std::size_t kTriangleBytes = 12 * sizeof(float) + sizeof(std::uint16_t);
+constexpr std::string_view kOriginMark = "tetropolis origin ";
 
 using Corner = std::array<float, 3>;
 
@@ -60,8 +59,8 @@ void append_triangle(const SurfaceMesh& surface, std::size_t f, std::string& buf
 /// Of the header, if it is as write_stl makes it.
 std::optional<Point3> origin_of(std::string header) {
   header.resize(std::min(header.find('\0'), header.size()));
-  if (!header.starts_with(kOrigin)) return std::nullopt;
-  return point_from_text(header.substr(kOrigin.size()));
+  if (!header.starts_with(kOriginMark)) return std::nullopt;
+  return point_from_text(header.substr(kOriginMark.size()));
 }
 
 }  // namespace
@@ -69,13 +68,13 @@ std::optional<Point3> origin_of(std::string header) {
 void write_stl(const std::filesystem::path& path, const SurfaceMesh& surface,
                const Placement& placement) {
   const auto& [shift, origin] = placement;
-  std::string head = fmt::format("{}{} {} {}", kOrigin, shift[0] + origin[0], shift[1] + origin[1],
-                                 shift[2] + origin[2]);
+  std::string head = fmt::format("{}{} {} {}", kOriginMark, shift[0] + origin[0],
+                                 shift[1] + origin[1], shift[2] + origin[2]);
   head.resize(kHeader, '\0');
   append_raw(head, static_cast<std::uint32_t>(surface.triangles.size()));
   AtomicFile file(path);
   file.write(head);
-  write_chunked(file, surface.triangles.size(), kGrain,
+  write_chunked(file, surface.triangles.size(), kRowsPerChunk,
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
                   for (std::size_t f = begin; f < end; ++f) append_triangle(surface, f, buffer);
                 });
@@ -88,7 +87,7 @@ StlMesh read_stl(const std::filesystem::path& path) {
   const std::string head = file.head(kBegin);
   std::uint32_t count = 0;
   if (head.size() == kBegin) std::memcpy(&count, head.data() + kHeader, sizeof count);
-  const std::uint64_t expected = kBegin + std::uint64_t{count} * kTriangle;
+  const std::uint64_t expected = kBegin + std::uint64_t{count} * kTriangleBytes;
   if (head.size() < kBegin || size < expected) {
     if (head.starts_with("solid")) fail_input(path, "is ASCII STL; only binary STL can be read");
     fail_input(path, head.size() < kBegin
@@ -102,13 +101,14 @@ StlMesh read_stl(const std::filesystem::path& path) {
   mesh.origin = origin_of(head.substr(0, kHeader));
   mesh.triangles.resize(count);
   mesh.attribute.resize(count);
-  parallel_chunks(count, kGrain, [&](std::size_t begin, std::size_t end) {
-    std::string bytes((end - begin) * kTriangle, '\0');
-    if (file.read(static_cast<std::int64_t>(kBegin + begin * kTriangle), bytes.data(),
+  parallel_chunks(count, kRowsPerChunk, [&](std::size_t begin, std::size_t end) {
+    std::string bytes((end - begin) * kTriangleBytes, '\0');
+    if (file.read(static_cast<std::int64_t>(kBegin + begin * kTriangleBytes), bytes.data(),
                   bytes.size()) < bytes.size())
       fail_input(path, "ends inside a triangle: the file is cut");
     for (std::size_t f = begin; f < end; ++f) {
-      const char* at = bytes.data() + (f - begin) * kTriangle + sizeof(Corner);  // after the normal
+      const char* at =
+          bytes.data() + (f - begin) * kTriangleBytes + sizeof(Corner);  // after the normal
       std::memcpy(&mesh.triangles[f], at, sizeof mesh.triangles[f]);
       std::memcpy(&mesh.attribute[f], at + sizeof mesh.triangles[f], sizeof mesh.attribute[f]);
     }

@@ -11,16 +11,11 @@
 #include "column_output.h"
 #include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
+#include "vtk_wedge.h"
 
 namespace tetropolis {
 
 namespace {
-
-// Rows formatted at a time by a thread: some hundred kilobytes of output.
-constexpr std::size_t kRows = 16384;
-// Elements have the numbers of VTK.
-constexpr int kTriangle = 5, kQuad = 9;
-constexpr int kTet = 10, kWedge = 13;
 
 void write_cells(AtomicFile& file, const ColumnMesh& mesh, const Progress& progress) {
   const std::vector<CellIndex> cells = cell_offsets(mesh);
@@ -34,7 +29,7 @@ void write_cells(AtomicFile& file, const ColumnMesh& mesh, const Progress& progr
         std::size_t number = first_cell_of(cells, begin);
         for (std::size_t row = begin; row < end; ++row)
           for_each_cell_of(mesh, cells, row, [&](const auto& nodes) {
-            buffer += std::to_string(nodes.size() == 4 ? kTet : kWedge);
+            buffer += std::to_string(nodes.size() == 4 ? kVtkTetra : kVtkWedge);
             for (const NodeIndex node : nodes)
               fmt::format_to(std::back_inserter(buffer), " {}", node.value());
             fmt::format_to(std::back_inserter(buffer), " {}\n", number++);
@@ -64,10 +59,10 @@ void write_markers(AtomicFile& file, const SurfaceMesh& surface) {
   for (const PatchFaces& range : patches) {
     file.write(fmt::format("MARKER_TAG= {}\nMARKER_ELEMS= {}\n",
                            surface.patches.of(range.patch).name, range.faces()));
-    write_chunked(file, range.faces(), kRows,
+    write_chunked(file, range.faces(), kRowsPerChunk,
                   [&](std::size_t begin, std::size_t end, std::string& buffer) {
                     for_each_face_of(surface, range, begin, end, [&](const auto& nodes) {
-                      buffer += std::to_string(nodes.size() == 3 ? kTriangle : kQuad);
+                      buffer += std::to_string(nodes.size() == 3 ? kVtkTriangle : kVtkQuad);
                       for (const NodeIndex node : nodes)
                         fmt::format_to(std::back_inserter(buffer), " {}", node.value());
                       buffer += '\n';

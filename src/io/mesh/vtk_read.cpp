@@ -224,7 +224,6 @@ void read_tets_and_wedges(const VtkInput& file, TetMesh& mesh) {
   mesh.cells = std::move(cells.small);
   mesh.wedges = std::move(cells.large);
   for (auto& prism : mesh.wedges) prism = in_vtk_order(prism);
-  constexpr std::uint8_t kVtkTetra = 10, kVtkWedge = 13;
   const VtkArray types = file.array("types", file.cells());
   Least wrong;
   compare(
@@ -247,10 +246,10 @@ TetMesh read_vtu(const std::filesystem::path& path) {
   TetMesh mesh;
   mesh.points = read_points(file);
   if (has_corners(file, 4)) {
-    constexpr std::int64_t kVtkTetra = 10;
     Least wrong;
     compare(
-        file, file.array("types", file.cells()), [](std::uint64_t) { return kVtkTetra; }, wrong);
+        file, file.array("types", file.cells()),
+        [](std::uint64_t) { return std::int64_t{kVtkTetra}; }, wrong);
     if (wrong.any())
       file.fail("cell " + std::to_string(wrong.value()) +
                 " is not of VTK type 10; only tets and wedges are supported");

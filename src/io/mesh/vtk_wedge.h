@@ -1,9 +1,13 @@
-// Prisms as VTK numbers their corners. Private to src/io.
+// Types of cells as VTK numbers them, and corners of prisms. Private to src/io.
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 namespace tetropolis {
+
+/// SU2 has the same.
+inline constexpr std::uint8_t kVtkTriangle = 5, kVtkQuad = 9, kVtkTetra = 10, kVtkWedge = 13;
 
 /// From wedge()'s order to VTK's and back: there the base, seen from the other triangle, runs
 /// clockwise. Source: VTK's documentation of vtkWedge.

@@ -24,8 +24,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "VTK output writes native byte order");
 
-constexpr std::uint8_t kVtkTetra = 10, kVtkWedge = 13;
-
 /// An array of the field data.
 struct Field {
   std::string_view type;

@@ -23,8 +23,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "HDF5 output writes native byte order");
 
-constexpr std::uint8_t kTet = 10, kWedge = 13;  // VTK_TETRA, VTK_WEDGE
-
 /// The group that readers know the file by.
 void make_root(const Hdf5File& file) {
   Hdf5Handle group(H5Gcreate2(file.id(), "VTKHDF", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
@@ -96,7 +94,7 @@ void write_vtkhdf(const std::filesystem::path& path, const ColumnMesh& mesh,
         return static_cast<std::int64_t>(4 * i + 2 * (i - std::min(i, counts.tets)));
       },
       portion(progress, 0.7, 0.9));
-  write_numbers(count, [&](std::size_t i) { return i < counts.tets ? kTet : kWedge; });
+  write_numbers(count, [&](std::size_t i) { return i < counts.tets ? kVtkTetra : kVtkWedge; });
   write_regions(file, mesh, cells, zones, portion(progress, 0.9, 1));
   write_numbers(3, [&](std::size_t i) { return placement.origin[i]; });
   file.commit();

@@ -37,7 +37,6 @@ inline std::size_t corners_of(const CellFace& face) { return face.corners; }
 template <typename Append>
 void write_internal_faces(AtomicFile& file, const ColumnMesh& mesh, const CellFaces& faces,
                           std::uint64_t bytes, const Append& append, const Progress& progress) {
-  constexpr std::size_t kRows = 16384;  // some hundred kilobytes of output
   write_chunked(
       file, mesh.triangle_count(), grain_for(mesh.triangle_count(), bytes),
       [&](std::size_t begin, std::size_t end, std::string& buffer) {
@@ -47,7 +46,7 @@ void write_internal_faces(AtomicFile& file, const ColumnMesh& mesh, const CellFa
       },
       progress);
   const CellIndex first = faces.cells[mesh.triangle_count()];
-  write_chunked(file, faces.in_upper.size(), kRows,
+  write_chunked(file, faces.in_upper.size(), kRowsPerChunk,
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
                   for (std::size_t f = begin; f < end; ++f) {
                     const UpperFace& face = faces.in_upper[f];
@@ -56,7 +55,7 @@ void write_internal_faces(AtomicFile& file, const ColumnMesh& mesh, const CellFa
                            buffer);
                   }
                 });
-  write_chunked(file, faces.between_prisms.size(), kRows,
+  write_chunked(file, faces.between_prisms.size(), kRowsPerChunk,
                 [&](std::size_t begin, std::size_t end, std::string& buffer) {
                   for (std::size_t f = begin; f < end; ++f) append(faces.between_prisms[f], buffer);
                 });

@@ -41,8 +41,8 @@ std::string geometry(std::int64_t nodes, const std::string& file) {
                      data_item("Float", 8, fmt::format("{} 3", nodes), file, kGeometry));
 }
 
-std::string attribute(std::string_view name, std::int64_t elements, const std::string& file,
-                      std::string_view path) {
+std::string cell_attribute(std::string_view name, std::int64_t elements, const std::string& file,
+                           std::string_view path) {
   return fmt::format(
       "<Attribute Name=\"{}\" AttributeType=\"Scalar\" Center=\"Cell\">\n{}\n</Attribute>\n", name,
       data_item("Int", 4, std::to_string(elements), file, path));
@@ -65,8 +65,8 @@ std::string volume_description(std::int64_t nodes, const Elements& cells, bool z
                                const Point3& origin, const std::string& file) {
   return with_grid("mesh", origin,
                    topology(kTetrahedron, kWedge, cells, file, kTopology) + geometry(nodes, file) +
-                       attribute("region", cells.all(), file, kRegion) +
-                       (zones ? attribute("zone", cells.all(), file, kZone) : ""));
+                       cell_attribute("region", cells.all(), file, kRegion) +
+                       (zones ? cell_attribute("zone", cells.all(), file, kZone) : ""));
 }
 
 /// The names are where meshio puts its own `field_data`: numbers and dimensions by name.
@@ -81,8 +81,8 @@ std::string boundary_description(std::int64_t nodes, const Elements& faces,
   return with_grid("boundary", origin,
                    topology(kTriangle, kQuadrilateral, faces, file, kFaces) +
                        geometry(nodes, volume_file) +
-                       attribute("patch", faces.all(), file, kPatch) +
-                       attribute("building", faces.all(), file, kBuilding) + names);
+                       cell_attribute("patch", faces.all(), file, kPatch) +
+                       cell_attribute("building", faces.all(), file, kBuilding) + names);
 }
 
 PatchNames names_in(const std::string& description) {

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <string_view>
 #include <tuple>
 #include <utility>
@@ -16,6 +15,7 @@
 #include "tetropolis/io/crs/crs.h"
 
 #include "core/foreign_code.h"
+#include "core/infinity.h"
 #include "io/crs/gdal_support.h"
 #include "io/file/input_file.h"
 #include "io/file/input_paths.h"
@@ -27,7 +27,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMetresPerDegree = 111'320;
 
 constexpr std::array<std::string_view, 14> kRasterEndings{".tif", ".tiff", ".vrt", ".asc", ".img",

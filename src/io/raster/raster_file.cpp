@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 #include <gdal_utils.h>
 
+#include "core/infinity.h"
 #include "core/text.h"
 #include "io/file/input_file.h"
 
@@ -22,8 +23,6 @@ namespace tetropolis {
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 void require_sound(const fs::path& path, GDALDatasetH dataset) {
   if (const int bands = GDALGetRasterCount(dataset); bands != 1)

@@ -1,7 +1,6 @@
 #include "feature_heights.h"
 
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -10,6 +9,7 @@
 
 #include "tetropolis/core/error.h"
 
+#include "core/infinity.h"
 #include "core/text.h"
 #include "io/file/input_file.h"
 #include "measure_text.h"
@@ -148,7 +148,6 @@ void HeightReader::Unusable::add(const std::string& id, const std::string& text)
 }
 
 StatedHeight HeightReader::read(OGRFeatureH feature, const std::string& id) {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   constexpr double kMost = 1100;  // metres: no building is that high
   constexpr double kMark = 999;   // stands for a height that nobody knows
   constexpr double kMostFloors = 250;

@@ -3,17 +3,16 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <system_error>
 
+#include "core/infinity.h"
 #include "core/text.h"
 
 namespace tetropolis {
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFoot = 0.3048, kInch = 0.0254;
 
 void trim(std::string_view& text) {

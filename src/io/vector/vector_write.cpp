@@ -43,14 +43,14 @@ bool add_field(OGRLayerH layer, const char* name, OGRFieldType type, int width, 
   return good;
 }
 
-struct Content {
+struct Features {
   std::span<const Polygon> polygons;
   std::span<const std::string> ids;
   std::span<const double> heights;
   Point2 origin;
 };
 
-bool add_features(OGRLayerH layer, const Content& content) {
+bool add_features(OGRLayerH layer, const Features& content) {
   for (std::size_t i = 0; i < content.polygons.size(); ++i) {
     OGRFeatureH feature = OGR_F_Create(OGR_L_GetLayerDefn(layer));
     OGR_F_SetGeometryDirectly(feature, polygon_geometry(content.polygons[i], content.origin));
@@ -64,7 +64,7 @@ bool add_features(OGRLayerH layer, const Content& content) {
   return true;
 }
 
-bool write_layer(GDALDatasetH dataset, const fs::path& path, const Content& content,
+bool write_layer(GDALDatasetH dataset, const fs::path& path, const Features& content,
                  const std::string& crs) {
   CPLStringList options;
   const std::string_view driver = driver_of(path);

@@ -15,7 +15,7 @@ namespace tetropolis {
 namespace {
 
 /// One side of a triangle, filed under its lower vertex.
-struct Side {
+struct TriangleSide {
   VertexIndex upper;
   TriangleIndex triangle;
   std::uint32_t slot;  // position in of_triangle
@@ -24,17 +24,17 @@ struct Side {
 constexpr std::array<std::array<std::uint32_t, 2>, 3> kSides = {{{0, 1}, {0, 2}, {1, 2}}};
 
 /// Whether sides before this one, of those of a vertex in order, are of other edges.
-bool begins_edge(std::span<const Side> sides, std::size_t i) {
+bool begins_edge(std::span<const TriangleSide> sides, std::size_t i) {
   return i == 0 || sides[i - 1].upper != sides[i].upper;
 }
 
 /// Per vertex: the sides that it is the lower vertex of.
-RaggedArray<Side, std::int32_t> sides_by_lower_vertex(const GroundMesh& mesh) {
-  return ragged_from_pairs<Side, std::int32_t>(mesh.vertices.size(), [&](const auto& use) {
+RaggedArray<TriangleSide, std::int32_t> sides_by_lower_vertex(const GroundMesh& mesh) {
+  return ragged_from_pairs<TriangleSide, std::int32_t>(mesh.vertices.size(), [&](const auto& use) {
     for (const TriangleIndex t : mesh.triangles.indices()) {
       const auto v = sorted_vertices(mesh.triangles[t]);
       for (std::uint32_t slot = 0; slot < 3; ++slot)
-        use(v[kSides[slot][0]], Side{v[kSides[slot][1]], t, slot});
+        use(v[kSides[slot][0]], TriangleSide{v[kSides[slot][1]], t, slot});
     }
   });
 }
@@ -52,13 +52,13 @@ std::array<VertexIndex, 3> sorted_vertices(const std::array<VertexIndex, 3>& tri
 EdgeGraph build_edge_graph(const GroundMesh& mesh) {
   constexpr std::size_t kGrain = 16384;
   const std::size_t vertices = mesh.vertices.size();
-  RaggedArray<Side, std::int32_t> sides = sides_by_lower_vertex(mesh);
+  RaggedArray<TriangleSide, std::int32_t> sides = sides_by_lower_vertex(mesh);
   EdgeGraph graph;
   graph.starts.assign(vertices + 1, EdgeIndex(0));  // from 1 on: edges of each, at first
   parallel_chunks(vertices, kGrain, [&](std::size_t begin, std::size_t end) {
     for (const VertexIndex v : indices<VertexIndex>(begin, end)) {
-      const std::span<Side> own = sides[v];
-      std::sort(own.begin(), own.end(), [](const Side& a, const Side& b) {
+      const std::span<TriangleSide> own = sides[v];
+      std::sort(own.begin(), own.end(), [](const TriangleSide& a, const TriangleSide& b) {
         return a.upper != b.upper ? a.upper < b.upper : a.triangle < b.triangle;
       });
       for (std::size_t i = 0; i < own.size(); ++i)
@@ -72,10 +72,10 @@ EdgeGraph build_edge_graph(const GroundMesh& mesh) {
   graph.of_triangle.resize(mesh.triangles.size());
   parallel_chunks(vertices, kGrain, [&](std::size_t begin, std::size_t end) {
     for (const VertexIndex v : indices<VertexIndex>(begin, end)) {
-      const std::span<const Side> own = sides[v];
+      const std::span<const TriangleSide> own = sides[v];
       EdgeIndex e = graph.starts[v];
       for (std::size_t i = 0; i < own.size(); ++i) {
-        const Side& side = own[i];
+        const TriangleSide& side = own[i];
         if (begins_edge(own, i)) {
           graph.vertices[e] = {v, side.upper};
           graph.triangles[e] = {side.triangle, kNoTriangle};

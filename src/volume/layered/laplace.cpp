@@ -13,7 +13,7 @@ namespace tetropolis {
 
 namespace {
 
-constexpr std::size_t kColumnsPerChunk = 256;
+constexpr std::size_t kColumnsPerSum = 256;
 
 /// A solve that takes this many iterations has a bad smoother.
 constexpr int kPatience = 40;
@@ -58,7 +58,7 @@ std::int64_t impose_given(const LayeredMesh& mesh, bool fixed_top, LevelMatrix& 
     }
     return unknowns;
   };
-  return parallel_reduce_ordered(mesh.vertex_count(), kColumnsPerChunk, std::int64_t{0}, impose,
+  return parallel_reduce_ordered(mesh.vertex_count(), kColumnsPerSum, std::int64_t{0}, impose,
                                  [](std::int64_t a, std::int64_t b) { return a + b; });
 }
 
@@ -104,10 +104,9 @@ class ConjugateGradients {
  private:
   template <typename Kernel>
   void over_columns(const Kernel& kernel) const {
-    parallel_chunks(mesh_.vertex_count(), kColumnsPerChunk,
-                    [&](std::size_t begin, std::size_t end) {
-                      kernel(ColumnRange{begin, end});
-                    });
+    parallel_chunks(mesh_.vertex_count(), kColumnsPerSum, [&](std::size_t begin, std::size_t end) {
+      kernel(ColumnRange{begin, end});
+    });
   }
 
   /// The first half sweep of the preconditioner needs nothing but the column's own residual, so it
@@ -138,7 +137,7 @@ class ConjugateGradients {
   /// q = A p. Returns p q.
   double multiply_direction() {
     return parallel_reduce_ordered(
-        mesh_.vertex_count(), kColumnsPerChunk, 0.0,
+        mesh_.vertex_count(), kColumnsPerSum, 0.0,
         [&](std::size_t begin, std::size_t end) {
           return multiply(matrix_, graph_, p_.data(), q_.data(), {begin, end});
         },

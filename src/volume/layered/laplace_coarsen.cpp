@@ -11,7 +11,7 @@ namespace tetropolis {
 
 namespace {
 
-constexpr std::size_t kColumnsPerChunk = 2048;
+constexpr std::size_t kColumnsPerPart = 2048;
 
 /// Calls body(edge, neighbour) for the edges of column v.
 template <typename Body>
@@ -97,13 +97,13 @@ void smoothed_row(const LevelGraph& graph, const EdgeWeights& weights,
 
 Interpolation interpolation(const LevelGraph& graph, const EdgeWeights& weights,
                             const std::vector<VertexIndex>& aggregate_of, std::size_t count) {
-  const std::size_t chunks = (graph.columns + kColumnsPerChunk - 1) / kColumnsPerChunk;
+  const std::size_t chunks = (graph.columns + kColumnsPerPart - 1) / kColumnsPerPart;
   std::vector<std::vector<Entry>> parts(chunks);
   Interpolation p;
   std::vector<std::int32_t>& offsets = p.coarse.offsets;
   offsets.assign(graph.columns + 1, 0);
-  parallel_chunks(graph.columns, kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
-    auto& part = parts[begin / kColumnsPerChunk];
+  parallel_chunks(graph.columns, kColumnsPerPart, [&](std::size_t begin, std::size_t end) {
+    auto& part = parts[begin / kColumnsPerPart];
     part.reserve((end - begin) * 3);
     std::vector<Entry> row;
     for (std::size_t v = begin; v < end; ++v) {

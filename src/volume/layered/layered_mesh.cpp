@@ -12,7 +12,7 @@ namespace tetropolis {
 
 namespace {
 
-constexpr std::size_t kColumnsPerChunk = 4096;
+constexpr std::size_t kColumnsPerCount = 4096;
 
 }  // namespace
 
@@ -58,7 +58,7 @@ ColumnMesh columns_of_layers(LayeredMesh&& layered) {
                                 : 0);
   }
   mesh.z.resize(static_cast<std::size_t>(mesh.node_count()));
-  parallel_chunks(vertices, kColumnsPerChunk, [&](std::size_t begin, std::size_t end) {
+  parallel_chunks(vertices, kColumnsPerCount, [&](std::size_t begin, std::size_t end) {
     for (const VertexIndex v : indices<VertexIndex>(begin, end))
       std::copy(layered.column(v) + layered.first_node[v], layered.column(v) + layered.layers + 1,
                 mesh.z.data() + mesh.first[v]);

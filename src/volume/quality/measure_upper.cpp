@@ -25,10 +25,10 @@ namespace tetropolis {
 namespace {
 
 /// Far beyond the rounding of cosines and squares.
-constexpr double kMargin = 1e-9;
+constexpr double kCosineMargin = 1e-9;
 
 /// Fans of a chunk.
-constexpr std::size_t kLeastPerChunk = 1024;
+constexpr std::size_t kLeastFansPerChunk = 1024;
 
 /// The worst cells, worst first; of those as bad, the first.
 class WorstCells {
@@ -47,14 +47,15 @@ class WorstCells {
     if (cells_.size() > most_) cells_.pop_back();
     if (cells_.size() < most_) return;
     const AngleBounds bounds = angles_at(cells_.back().share_of_floor);
-    least_ = std::cos(to_radians(bounds.least)) - kMargin;
-    greatest_ = std::cos(to_radians(bounds.greatest)) + kMargin;
+    least_ = std::cos(to_radians(bounds.least)) - kCosineMargin;
+    greatest_ = std::cos(to_radians(bounds.greatest)) + kCosineMargin;
   }
   const std::vector<WorstCell>& cells() const { return cells_; }
 
  private:
   std::size_t most_;
-  double least_ = -1 - kMargin, greatest_ = 1 + kMargin;  // cosines that others are beyond
+  double least_ = -1 - kCosineMargin,
+         greatest_ = 1 + kCosineMargin;  // cosines that others are beyond
   std::vector<WorstCell> cells_;
 };
 
@@ -104,8 +105,8 @@ class CellSums {
 };
 
 void CellSums::take_measured() {
-  static const double good_least = std::cos(to_radians(good_by_all().least)) - kMargin;
-  static const double good_greatest = std::cos(to_radians(good_by_all().greatest)) + kMargin;
+  static const double good_least = std::cos(to_radians(good_by_all().least)) - kCosineMargin;
+  static const double good_greatest = std::cos(to_radians(good_by_all().greatest)) + kCosineMargin;
   const std::size_t count = std::exchange(measured_, 0);
   faults_.cells += static_cast<std::int64_t>(count);
   std::int64_t inverted = 0;
@@ -188,8 +189,8 @@ class FaceSums {
         std::max(worst.non_orthogonality_deg, shape.non_orthogonality_deg);
     worst.skewness = std::max(worst.skewness, shape.skewness);
     const double degrees = std::min(worst.non_orthogonality_deg, kMostNonOrthogonal);
-    limits_ = {std::pow(std::cos(to_radians(degrees)), 2) + kMargin,
-               worst.skewness * worst.skewness * (1 - kMargin)};
+    limits_ = {std::pow(std::cos(to_radians(degrees)), 2) + kCosineMargin,
+               worst.skewness * worst.skewness * (1 - kCosineMargin)};
   }
   PointRows<5> rows_;
   FaceQuality faces_;
@@ -314,7 +315,7 @@ void add_upper_quality(const ColumnMesh& mesh, std::size_t worst, MeshQuality& q
   const double top = top_of(mesh);
   const std::size_t fans = upper.fans.size() - 1;
   // Each has a histogram.
-  const std::size_t grain = std::max(grain_of_chunks(fans), kLeastPerChunk);
+  const std::size_t grain = std::max(grain_of_chunks(fans), kLeastFansPerChunk);
   WorstCells all(worst);
   for (const WorstCell& cell : quality.cells.worst) all.add(cell);
   std::vector<std::optional<CellSums>> cells((fans + grain - 1) / grain);

@@ -22,7 +22,7 @@ namespace {
 /// enough for the cache.
 constexpr std::size_t kTrianglesPerBlock = 512;
 /// And of chunks, each of which has a histogram.
-constexpr std::size_t kLeastPerChunk = 1024;
+constexpr std::size_t kLeastTrianglesPerChunk = 1024;
 
 /// Far beyond the rounding of the kernels' figures, and of these to floats.
 constexpr double kMargin = 1e-6, kTiny = 1e-12;
@@ -242,7 +242,7 @@ void MeasuredMesh::Sweep::go_over(std::span<const TriangleIndex> block, QualityH
 
 void MeasuredMesh::sweep(const ColumnMesh& mesh, std::span<const TriangleIndex> triangles,
                          int times) {
-  const std::size_t grain = std::max(grain_of_chunks(triangles.size()), kLeastPerChunk);
+  const std::size_t grain = std::max(grain_of_chunks(triangles.size()), kLeastTrianglesPerChunk);
   std::vector<QualityHistogram> partial;
   if (histogram_ && triangles.size() > grain) partial.resize((triangles.size() - 1) / grain + 1);
   parallel_chunks(triangles.size(), grain, [&](std::size_t begin, std::size_t end) {

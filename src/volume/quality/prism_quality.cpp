@@ -17,7 +17,7 @@ namespace tetropolis {
 
 namespace {
 
-constexpr std::size_t kTrianglesPerChunk = 1024;
+constexpr std::size_t kStacksPerChunk = 1024;
 
 double least_height(const Prism& prism) {
   double least = kInfinity;
@@ -148,7 +148,7 @@ PrismQuality measure_prisms(const ColumnMesh& mesh, double first) {
   Sums none;
   none.quality.least_height = kInfinity;
   const Sums sums = parallel_reduce_ordered(
-      mesh.triangle_count(), kTrianglesPerChunk, none,
+      mesh.triangle_count(), kStacksPerChunk, none,
       [&](std::size_t begin, std::size_t end) {
         Sums part = none;
         for (const TriangleIndex t : indices<TriangleIndex>(begin, end)) add_over(mesh, t, part);

@@ -20,6 +20,7 @@ namespace tetropolis {
 namespace {
 
 using testing::box;
+using testing::kSliver;
 
 /// The first reach of gap fills, in distances (merge_polygons).
 constexpr double kReach = 1 + 1e-3;
@@ -76,7 +77,6 @@ double corner_fills(double reach, double gap) { return reach * reach - 2 * gap *
 /// ends at x = 200: its tip goes flat on the grid, and with it what joined this to what is next to
 /// the tip. Only so do clusters get to the hulls: where two parts are closer than the distance, a
 /// box wider than that across the narrowest place has area in common with both.
-const Polygon kSliver{{{0, 5}, {202, 5.0006}, {0, 5.0011}}, {}};
 
 /// 200 m by 8 m below a slab of 220 m by 2 m: the sliver's tip is beside it and below the slab.
 const Polygon kGallows{{{0, 0}, {200, 0}, {200, 8}, {220, 8}, {220, 10}, {0, 10}}, {}};

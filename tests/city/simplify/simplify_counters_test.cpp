@@ -21,6 +21,7 @@ namespace {
 
 using testing::box;
 using testing::clockwise_box;
+using testing::kSliver;
 using testing::simplified;
 
 using Counter = std::function<std::int64_t(const SimplifyStats&)>;
@@ -69,7 +70,6 @@ const std::vector<Polygon> kCorners{box(0, 0, 10, 10), box(10.0707, 10.0707, 10,
 
 /// What a sliver, whose tip goes flat on the grid, joins to something 2.5 m away: see
 /// merge_polygons_test.cpp.
-const Polygon kSliver{{{0, 5}, {202, 5.0006}, {0, 5.0011}}, {}};
 
 /// 20 m by 13 m with a slot of 0.5 m and 3 m, from whose mouth two walls lead apart at a right
 /// angle.

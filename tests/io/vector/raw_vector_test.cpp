@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 using testing::bytes_of;
 using testing::TemporaryFolder;
 
-constexpr Point2 kOrigin{319000, 6396000};
+constexpr Point2 kRawOrigin{319000, 6396000};
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// A closed square, clockwise as shapefiles want outer rings.
@@ -61,7 +61,7 @@ class RawVector : public ::testing::TestWithParam<const char*> {
  protected:
   fs::path write(const std::string& stem, bool with_z) {
     const fs::path path = folder / (stem + GetParam());
-    write_raw_features(path, sample(), kOrigin, "EPSG:3006", with_z);
+    write_raw_features(path, sample(), kRawOrigin, "EPSG:3006", with_z);
     return path;
   }
   TemporaryFolder folder;
@@ -85,8 +85,8 @@ TEST_P(RawVector, TheReaderFindsWhatIsSoundAndDropsTheRestByName) {
     EXPECT_TRUE(std::isnan(found["yard"]->height));
     ASSERT_EQ(found["plain"]->polygon.outer.size(), 4U);
     for (const Point2 p : found["plain"]->polygon.outer) {
-      EXPECT_TRUE(p.x == kOrigin.x || p.x == kOrigin.x + 10) << p.x;
-      EXPECT_TRUE(p.y == kOrigin.y || p.y == kOrigin.y + 10) << p.y;
+      EXPECT_TRUE(p.x == kRawOrigin.x || p.x == kRawOrigin.x + 10) << p.x;
+      EXPECT_TRUE(p.y == kRawOrigin.y || p.y == kRawOrigin.y + 10) << p.y;
     }
     EXPECT_EQ(found["yard"]->polygon.holes.size(), 1U);
     EXPECT_EQ(found["open"]->polygon.outer.size(), 4U);
@@ -139,7 +139,7 @@ TEST(RawVectorBytes, ShapefilesKeepOpenRingsAndOddNumbers) {
 
 TEST(RawVectorBytes, GeoJsonKeepsOpenRings) {
   const TemporaryFolder folder;
-  write_raw_features(folder / "a.geojson", sample(), kOrigin, "EPSG:3006", false);
+  write_raw_features(folder / "a.geojson", sample(), kRawOrigin, "EPSG:3006", false);
   std::string text = bytes_of(folder / "a.geojson");
   text.replace(text.find("NaN"), 3, "0.0");  // The only thing that is not JSON.
   const auto json = nlohmann::json::parse(text);
@@ -150,7 +150,7 @@ TEST(RawVectorBytes, GeoJsonKeepsOpenRings) {
 
 TEST(RawVectorBytes, AnotherExtensionIsRefused) {
   const TemporaryFolder folder;
-  EXPECT_THROW(write_raw_features(folder / "a.gpkg", sample(), kOrigin, "EPSG:3006"), Error);
+  EXPECT_THROW(write_raw_features(folder / "a.gpkg", sample(), kRawOrigin, "EPSG:3006"), Error);
 }
 
 // Found by the survey: with every ring turned the wrong way, GDAL's first ring is the yard.
@@ -167,7 +167,7 @@ TEST(RawVectorBytes, ShapefilesTurnedTheWrongWayKeepTheirCourtyards) {
          1,
          {{square(80, 0, 30, !wrong), square(83, 3, 9, wrong), square(100, 20, 6, wrong)},
           {square(85, 5, 4, !wrong)}}}};
-    write_raw_features(path, features, kOrigin, "EPSG:3006");
+    write_raw_features(path, features, kRawOrigin, "EPSG:3006");
     const FootprintsInput input = read_footprints(path);
     std::map<std::string, double> areas;
     for (const Footprint& feature : input.features)
@@ -185,7 +185,7 @@ TEST(RawVectorBytes, ShapefilesWhoseRingsAllTurnAsHolesKeepTheirCourtyards) {
       {"hut", 1, {{square(48, 8, 4, false), square(43, 3, 20, false), square(40, 0, 30, false)}}},
       {"apart", 1, {{square(80, 0, 30, false), square(120, 3, 5, false)}}},
       {"over each other", 1, {{square(160, 0, 30)}, {square(163, 3, 24)}}}};
-  write_raw_features(folder / "a.shp", features, kOrigin, "EPSG:3006");
+  write_raw_features(folder / "a.shp", features, kRawOrigin, "EPSG:3006");
   std::multiset<double> areas;
   for (const Footprint& feature : read_footprints(folder / "a.shp").features)
     areas.insert(area(feature.polygon));
@@ -209,7 +209,7 @@ TEST(RawVectorBytes, PartsTurnedAgainstThePartAroundThemAreItsYards) {
       {"hut", 1, {{square(10, 10, 4, false)}, {square(3, 3, 20)}, {square(0, 0, 30, false)}}},
       {"over each other", 1, {{square(40, 0, 30, false)}, {square(43, 3, 5, false)}}},
       {"apart", 1, {{square(80, 0, 30, false)}, {square(120, 3, 5)}}}};
-  write_raw_features(folder / "a.geojson", features, kOrigin, "EPSG:3006");
+  write_raw_features(folder / "a.geojson", features, kRawOrigin, "EPSG:3006");
   EXPECT_EQ(areas_in(folder / "a.geojson"),
             (std::map<std::string, double>{{"hut", 16},
                                            {"hut#2", 500},
@@ -234,7 +234,7 @@ TEST(RawVectorBytes, PartsInTheYardOfAnotherPartStayBuildingsWhateverTheirTurn) 
       {"yard beside a yard",
        1,
        {{square(200, 0, 30), square(205, 5, 8, false)}, {square(220, 5, 6, false)}}}};
-  write_raw_features(folder / "a.geojson", features, kOrigin, "EPSG:3006");
+  write_raw_features(folder / "a.geojson", features, kRawOrigin, "EPSG:3006");
   EXPECT_EQ(areas_in(folder / "a.geojson"),
             (std::map<std::string, double>{{"hut", 500},
                                            {"hut#2", 16},
@@ -262,7 +262,7 @@ TEST(PointFlags, GoIntoTheFileAndWithheldPointsAreLeftOut) {
     options.point_format = format;
     options.flags = flags;
     const fs::path path = folder / (format == 1 ? "a.las" : "b.las");
-    write_points(path, cloud, kOrigin, options);
+    write_points(path, cloud, kRawOrigin, options);
     const std::string bytes = bytes_of(path);
     const auto first = number_at<std::uint32_t>(bytes, 96);
     const std::size_t record = format == 1 ? 28 : 30;
@@ -275,7 +275,7 @@ TEST(PointFlags, GoIntoTheFileAndWithheldPointsAreLeftOut) {
     const PointsInput input = read_points(paths);
     EXPECT_EQ(input.points_kept, 8);
     for (const double x : input.points.x)
-      EXPECT_EQ(static_cast<int>(x + input.origin.x - kOrigin.x) & kWithheldPoint, 0);
+      EXPECT_EQ(static_cast<int>(x + input.origin.x - kRawOrigin.x) & kWithheldPoint, 0);
   }
 }
 

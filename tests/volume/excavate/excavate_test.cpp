@@ -16,6 +16,7 @@
 #include "tetropolis/geometry/polygon.h"
 #include "tetropolis/volume/quality/cell_quality.h"
 
+#include "core/infinity.h"
 #include "support/explicit_mesh.h"
 #include "support/indices.h"
 #include "support/small_city.h"
@@ -124,7 +125,7 @@ TEST(Excavate, RoofsAreToldByBuildingOrByPoint) {
   EXPECT_GT(of_two.toes.size(), 10U);
   // Excavating anew from these points alone gives the same ground.
   ExcavationMarks points;
-  points.toes.assign(mesh.vertices.size(), std::numeric_limits<double>::infinity());
+  points.toes.assign(mesh.vertices.size(), kInfinity);
   for (const Point3& toe : of_two.toes) {
     EXPECT_EQ(toe[2], 0);
     EXPECT_EQ(distance(basin.low, {toe[0], toe[1]}), 0);
@@ -165,7 +166,7 @@ TEST(Excavate, DoesNotDependOnTheOrderOfTriangles) {
   const std::vector<RegionIndex> owner = lowest_roofs(mesh, city.roofs);
   std::vector<double> there = terrain_under(mesh, city.dtm), back = there;
   ExcavationMarks marks;
-  marks.toes.assign(there.size(), std::numeric_limits<double>::infinity());
+  marks.toes.assign(there.size(), kInfinity);
   for (std::size_t v = 0; v < there.size(); v += 397) marks.toes[v] = 0.4 * there[v];
   excavate(mesh, owner, {}, marks, ExcavationSlopes{}, there);
   std::reverse(mesh.triangles.begin(), mesh.triangles.end());
@@ -179,7 +180,7 @@ TEST(Excavate, DoesNotDependOnTheOrderOfTriangles) {
 TEST(Excavate, NothingChangesWithoutAMarkOrAboveTheTerrain) {
   const Basin basin(5);
   std::vector<double> ground = basin.terrain;
-  const std::vector<double> no_toes(ground.size(), std::numeric_limits<double>::infinity());
+  const std::vector<double> no_toes(ground.size(), kInfinity);
   for (const ExcavationMarks& marks :
        {ExcavationMarks{}, {{0, 0}, {}}, {{0, 1}, {}}, {{}, no_toes}}) {
     const ExcavationSources from =
@@ -214,7 +215,6 @@ TEST(Excavate, GentleMarksAreOfBadTrianglesOnly) {
   ColumnPlan plan =
       plan_columns(basin.mesh, basin.city.dtm, basin.city.roofs, column_spacing(basin.mesh), {});
   ColumnMesh mesh = divide_columns(basin.mesh, build_edge_graph(basin.mesh), plan);
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   for (const double slope : {1.0, 0.5}) {
     ExcavationMarks marks;
     marks.toes.assign(plan.ground.size(), kInfinity);
@@ -269,7 +269,7 @@ TEST(Excavate, GroundRisesFromTheToeOfACliffAsAsked) {
   for (const double below : {0.0, 0.5}) {
     std::vector<double> ground = cliff.terrain;
     ExcavationMarks marks;
-    marks.toes.assign(ground.size(), std::numeric_limits<double>::infinity());
+    marks.toes.assign(ground.size(), kInfinity);
     marks.toes[toe] = cliff.terrain[toe] - below;
     const ExcavationSources from =
         excavate(cliff.mesh, cliff.owner, cliff.city.roofs, marks, {1, 1}, ground);
@@ -303,7 +303,7 @@ TEST(Excavate, GroundRisesFromTheToeOfACliffAsAsked) {
 TEST(Excavate, MarksTheToesOfCliffsWithBadCells) {
   const Cliff cliff(4);
   const auto result = testing::meshed(cliff.city, 4);
-  const double infinity = std::numeric_limits<double>::infinity();
+  const double infinity = kInfinity;
   const CellQuality cells = measure_cells(result.mesh, 10'000'000);
   std::size_t most = 0;
   for (const double least : {0.5, 14.0, 60.0})
@@ -377,7 +377,7 @@ TEST(Excavate, ExcavatesWhatRisesBeforeTheMiddleOfASunkenWall) {
   ColumnMesh columns;
   columns.ground = mesh;
   ExcavationMarks marks;
-  marks.toes.assign(4, std::numeric_limits<double>::infinity());
+  marks.toes.assign(4, kInfinity);
   const std::vector<std::uint8_t> bad{1, 0};
   const ExcavationSlopes slopes;
   EXPECT_EQ(mark_slope_toes(columns, plan, bad, {slopes.at_source, 0.5}, marks), 2);
@@ -393,7 +393,7 @@ TEST(Excavate, MarksTheToesOfWallsTooLowForTheEdgesBesideThem) {
   city.dtm = testing::raster_of(city.domain, [](double, double) { return 0.0; });
   const auto result = testing::meshed(city, 10);
   ExcavationMarks marks;
-  marks.toes.assign(result.plan.ground.size(), std::numeric_limits<double>::infinity());
+  marks.toes.assign(result.plan.ground.size(), kInfinity);
   const std::vector<std::uint8_t> all_triangles(result.mesh.triangle_count(), 1);
   const std::int64_t marked =
       mark_slope_toes(result.mesh, result.plan, all_triangles, {0.5, 0}, marks);
@@ -484,7 +484,7 @@ TEST(Excavate, MarksStayWhereTheyHelp) {
     if (near(v, city.footprints[1])) bad_after[t] = 1;
   }
   const std::size_t n = after.size();
-  const double none = std::numeric_limits<double>::infinity();
+  const double none = kInfinity;
   std::size_t first = n, second = n, far = n;
   for (std::size_t v = 0; v < n; ++v) {
     if (near(v, city.footprints[0])) first = v;
