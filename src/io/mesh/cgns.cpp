@@ -29,7 +29,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "CGNS output writes native byte order");
 
 constexpr const char* kData = " data";  ///< The dataset of a node.
-constexpr const char* kZone = "/Base/Zone1";
+constexpr const char* kZonePath = "/Base/Zone1";
 constexpr std::int32_t kTetra4 = 10, kPenta6 = 14, kTri3 = 5, kQuad4 = 7;  // ElementType_t
 
 /// Makes the nodes of the tree: a node is a group, with its name, label and type as attributes, and
@@ -144,8 +144,8 @@ class Tree {
 /// A section of elements; their nodes are streamed later.
 void make_section(const Tree& tree, const std::string& name, std::int32_t type, std::size_t first,
                   std::size_t last) {
-  const std::string section = fmt::format("{}/{}", kZone, name);
-  tree.numbers(kZone, name, "Elements_t", {type, 0});
+  const std::string section = fmt::format("{}/{}", kZonePath, name);
+  tree.numbers(kZonePath, name, "Elements_t", {type, 0});
   tree.numbers(section, "ElementRange", "IndexRange_t",
                {static_cast<std::int32_t>(first + 1), static_cast<std::int32_t>(last)});
   tree.node(section, "ElementConnectivity", "DataArray_t", "I4");
@@ -153,7 +153,7 @@ void make_section(const Tree& tree, const std::string& name, std::int32_t type, 
 
 void make_condition(const Tree& tree, const std::string& name, std::size_t first,
                     std::size_t last) {
-  const std::string conditions = fmt::format("{}/ZoneBC", kZone);
+  const std::string conditions = fmt::format("{}/ZoneBC", kZonePath);
   const std::string condition = fmt::format("{}/{}", conditions, name);
   tree.text(conditions, name, "BC_t", "FamilySpecified");
   tree.numbers(condition, "PointRange", "IndexRange_t",
@@ -165,9 +165,9 @@ void make_condition(const Tree& tree, const std::string& name, std::size_t first
 /// A zone: its cells, which are neighbours in the numbering of elements, and its family.
 void make_subregion(const Tree& tree, const std::string& name, const std::string& family,
                     std::size_t first, std::size_t last) {
-  const std::string region = fmt::format("{}/{}", kZone, name);
+  const std::string region = fmt::format("{}/{}", kZonePath, name);
   constexpr std::int32_t kOfCells = 3;  // dimensions
-  tree.numbers(kZone, name, "ZoneSubRegion_t", {kOfCells});
+  tree.numbers(kZonePath, name, "ZoneSubRegion_t", {kOfCells});
   tree.numbers(region, "PointRange", "IndexRange_t",
                {static_cast<std::int32_t>(first + 1), static_cast<std::int32_t>(last)}, 1);
   tree.text(region, "GridLocation", "GridLocation_t", "CellCenter");
@@ -231,9 +231,9 @@ void make_tree(const Hdf5File& file, const ColumnMesh& mesh, const CellCounts& c
   tree.numbers(
       "/Base", "Zone1", "Zone_t",
       {static_cast<std::int32_t>(mesh.node_count()), static_cast<std::int32_t>(cells.all()), 0}, 1);
-  tree.text(kZone, "ZoneType", "ZoneType_t", "Unstructured");
-  const std::string coordinates = fmt::format("{}/GridCoordinates", kZone);
-  tree.node(kZone, "GridCoordinates", "GridCoordinates_t", "MT");
+  tree.text(kZonePath, "ZoneType", "ZoneType_t", "Unstructured");
+  const std::string coordinates = fmt::format("{}/GridCoordinates", kZonePath);
+  tree.node(kZonePath, "GridCoordinates", "GridCoordinates_t", "MT");
   for (const char* name : {"CoordinateX", "CoordinateY", "CoordinateZ"})
     tree.node(coordinates, name, "DataArray_t", "R8");
   for (const Section& section : sections)
@@ -245,7 +245,7 @@ void make_tree(const Hdf5File& file, const ColumnMesh& mesh, const CellCounts& c
       make_subregion(tree, fmt::format("zone_{}", z), zones.zones[z - 1].name, first, last);
     first = last;
   }
-  tree.node(kZone, "ZoneBC", "ZoneBC_t", "MT");
+  tree.node(kZonePath, "ZoneBC", "ZoneBC_t", "MT");
   for (const PatchFaces& range : patches)
     make_condition(tree, surface.patches.of(range.patch).name, cells.all() + range.first,
                    cells.all() + range.first + range.faces());
@@ -254,10 +254,10 @@ void make_tree(const Hdf5File& file, const ColumnMesh& mesh, const CellCounts& c
 std::vector<Hdf5Dataset> streamed(const ColumnMesh& mesh, const std::vector<Section>& sections) {
   std::vector<Hdf5Dataset> datasets;
   for (const char* name : {"CoordinateX", "CoordinateY", "CoordinateZ"})
-    datasets.push_back({fmt::format("{}/GridCoordinates/{}/{}", kZone, name, kData),
+    datasets.push_back({fmt::format("{}/GridCoordinates/{}/{}", kZonePath, name, kData),
                         Hdf5Type::kFloat64, static_cast<std::uint64_t>(mesh.node_count()), 0});
   for (const Section& section : sections)
-    datasets.push_back({fmt::format("{}/{}/ElementConnectivity/{}", kZone, section.name, kData),
+    datasets.push_back({fmt::format("{}/{}/ElementConnectivity/{}", kZonePath, section.name, kData),
                         Hdf5Type::kInt32, section.corners * section.count, 0});
   return datasets;
 }
