@@ -72,6 +72,7 @@ check-format:
 	@scripts/format --check
 	@scripts/check-includes
 	@scripts/check-layers
+	@scripts/check-names
 	@scripts/check-links
 
 clean:

@@ -1,5 +1,5 @@
 # With CMAKE_UNITY_BUILD the files of a folder are compiled together, in half of the time. Their names in
-# anonymous namespaces must not clash.
+# anonymous namespaces must not clash, nor hide those of headers (scripts/check-names).
 function(group_by_folder target)
   get_target_property(sources ${target} SOURCES)
   foreach(source IN LISTS sources)

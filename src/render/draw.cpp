@@ -124,10 +124,10 @@ void draw_height_bar(Canvas& canvas, double highest, Rgb colour, Rgb halo) {
   const double end = canvas.width - 3 * size, y = canvas.height - 2 * size;
   const double x = end - 0.16 * canvas.width;
   draw_line(canvas, {x, y}, {end, y}, size * 0.8, halo);
-  constexpr int kSteps = 64;
-  for (int k = 0; k < kSteps; ++k) {
-    const auto at = [&](int step) { return Point2{x + (end - x) * step / kSteps, y}; };
-    draw_line(canvas, at(k), at(k + 1), size / 2, ramp((k + 0.5) / kSteps));
+  constexpr int kSegments = 64;
+  for (int k = 0; k < kSegments; ++k) {
+    const auto at = [&](int step) { return Point2{x + (end - x) * step / kSegments, y}; };
+    draw_line(canvas, at(k), at(k + 1), size / 2, ramp((k + 0.5) / kSegments));
   }
   for (const double width : {size / 2, size / 8}) {
     const Rgb of = width == size / 2 ? halo : colour;
