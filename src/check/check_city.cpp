@@ -47,8 +47,7 @@ void check_rings(const CityModel& city, CityCheck& check) {
       note_violation(check.violations, "footprints with fewer than 3 vertices", place);
     if (!(twice_area(polygon.outer) > 0))
       note_violation(check.violations, "outer rings not counter-clockwise", place);
-    if (!all_finite(polygon))
-      note_violation(check.violations, "coordinates that are not finite", place);
+    if (!all_finite(polygon)) note_violation(check.violations, kCoordinatesNotFinite, place);
     check.area += twice_area(polygon.outer) / 2;
     for (const Ring& hole : polygon.holes) {
       if (!(twice_area(hole) < 0)) note_violation(check.violations, "holes not clockwise", place);

@@ -64,8 +64,7 @@ void check_vertices(const TetMesh& mesh, const std::vector<std::uint8_t>& used,
   for (std::size_t v = 0; v < mesh.points.size(); ++v) {
     const auto place = [&] { return fmt::format("vertex {}", v); };
     if (used[v] == 0) note_violation(check.violations, "vertices without cells", place);
-    if (!is_finite(mesh.points[v]))
-      note_violation(check.violations, "coordinates that are not finite", place);
+    if (!is_finite(mesh.points[v])) note_violation(check.violations, kCoordinatesNotFinite, place);
   }
   for (const auto& [a, b] : coincident_vertices(mesh))
     note_violation(check.violations, "coincident vertices",

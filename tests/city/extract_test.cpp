@@ -24,17 +24,18 @@ namespace {
 using testing::indices_of;
 using testing::test_seed;
 
-struct Stars {
+struct ScannedFootprints {
   std::vector<Polygon> footprints;
   PointCloud cloud;
 };
 
 /// Overlapping stars of all sizes, some with courtyards, in a cloud of the given classes that is
 /// wider than the footprints.
-Stars random_scene(int footprints, int points, const std::vector<std::uint8_t>& classes) {
+ScannedFootprints random_scene(int footprints, int points,
+                               const std::vector<std::uint8_t>& classes) {
   std::mt19937 random(test_seed());
   std::uniform_real_distribution<double> coordinate(-100, 100);
-  Stars scene;
+  ScannedFootprints scene;
   for (int k = 0; k < footprints; ++k) {
     const Point2 centre{coordinate(random), coordinate(random)};
     const double size = k % 10 == 0 ? 60 : 6;
@@ -60,8 +61,8 @@ std::ptrdiff_t count_by_exclusion(const BuildingPoints& points) {
 }
 
 /// The definition, point by point.
-std::vector<PointIndex> brute_force(const Stars& scene, std::size_t footprint, bool roof,
-                                    double margin, const std::set<int>& classes) {
+std::vector<PointIndex> brute_force(const ScannedFootprints& scene, std::size_t footprint,
+                                    bool roof, double margin, const std::set<int>& classes) {
   std::vector<PointIndex> list;
   const Polygon& polygon = scene.footprints[footprint];
   for (std::size_t p = 0; p < scene.cloud.size(); ++p) {
@@ -75,7 +76,7 @@ std::vector<PointIndex> brute_force(const Stars& scene, std::size_t footprint, b
 }
 
 TEST(Extract, AgreesWithBruteForce) {
-  const Stars scene = random_scene(120, 20000, {1, 2, 5, 6, 6, 9, 26});
+  const ScannedFootprints scene = random_scene(120, 20000, {1, 2, 5, 6, 6, 9, 26});
   for (const double margin : {0.0, 1.0, 7.5}) {
     const BuildingPoints points =
         extract_building_points(scene.footprints, scene.cloud, {margin, kInfinity});
@@ -95,7 +96,8 @@ TEST(Extract, AgreesWithBruteForce) {
 }
 
 TEST(Extract, WithoutClassSixTakesWhatNoOtherClassSaysIsNoRoof) {
-  const Stars scene = random_scene(40, 20000, {0, 1, 2, 3, 4, 5, 7, 8, 9, 14, 17, 18, 26});
+  const ScannedFootprints scene =
+      random_scene(40, 20000, {0, 1, 2, 3, 4, 5, 7, 8, 9, 14, 17, 18, 26});
   const BuildingPoints points =
       extract_building_points(scene.footprints, scene.cloud, {1, kInfinity, false});
   EXPECT_EQ(count_by_exclusion(points), 40);
@@ -156,7 +158,7 @@ TEST(Extract, TheWallOfANeighbourIsNoCrown) {
 }
 
 TEST(Extract, TheFloorOfAYardIsNoRoof) {
-  Stars scene{{{{{0, 0}, {10, 0}, {10, 10}, {0, 10}}, {}}}, {}};
+  ScannedFootprints scene{{{{{0, 0}, {10, 0}, {10, 10}, {0, 10}}, {}}}, {}};
   for (int k = 0; k < 10; ++k) scene.cloud.push_back(-0.5, k, 3, 2);  // 0 to 9
   scene.cloud.push_back(5, 5, 3.4, 1);                                // 10: in the yard,
   scene.cloud.push_back(6, 5, 1, 1);                                  // 11: sunken,
@@ -170,7 +172,7 @@ TEST(Extract, TheFloorOfAYardIsNoRoof) {
 }
 
 TEST(Extract, OneClassSixPointAmongFewSettlesIt) {
-  Stars scene{{{{{0, 0}, {10, 0}, {10, 10}, {0, 10}}, {}}}, {}};
+  ScannedFootprints scene{{{{{0, 0}, {10, 0}, {10, 10}, {0, 10}}, {}}}, {}};
   scene.cloud.push_back(5, 5, 20, 1);
   EXPECT_EQ(extract_building_points(scene.footprints, scene.cloud).roof[0].size(), 1U);
   scene.cloud.push_back(500, 500, 20, 6);
@@ -181,7 +183,7 @@ TEST(Extract, OneClassSixPointAmongFewSettlesIt) {
 
 TEST(Extract, AFewStrayPointsOfClassSixDoNot) {
   for (const int strays : {1, 7, 8}) {
-    Stars scene{{{{{0, 0}, {10, 0}, {10, 10}, {0, 10}}, {}}}, {}};
+    ScannedFootprints scene{{{{{0, 0}, {10, 0}, {10, 10}, {0, 10}}, {}}}, {}};
     for (int k = 0; k < 9000; ++k) scene.cloud.push_back(5, 5, 20, 1);
     for (int k = 0; k < strays; ++k) scene.cloud.push_back(500, 500, 20, 6);
     const BuildingPoints points = extract_building_points(scene.footprints, scene.cloud);
@@ -191,7 +193,7 @@ TEST(Extract, AFewStrayPointsOfClassSixDoNot) {
 }
 
 TEST(Extract, WhatAgenciesKeepApartOfGroundAndWaterIsNoRoof) {
-  Stars scene{{{{{0, 0}, {10, 0}, {10, 10}, {0, 10}}, {}}}, {}};
+  ScannedFootprints scene{{{{{0, 0}, {10, 0}, {10, 10}, {0, 10}}, {}}}, {}};
   for (const std::uint8_t code : {2, 3, 5, 7, 8, 9, 10, 11, 13, 17, 18, 20, 40, 41, 45})
     scene.cloud.push_back(5, 5, 20, code);
   EXPECT_TRUE(extract_building_points(scene.footprints, scene.cloud).roof[0].empty());
@@ -203,7 +205,7 @@ TEST(Extract, WhatAgenciesKeepApartOfGroundAndWaterIsNoRoof) {
 /// Two quarters; of the second nobody has told buildings from the rest but for a part of one house,
 /// and another of its plots is empty.
 TEST(Extract, RoofsInFilesWithoutTheClassAreByExclusion) {
-  Stars scene;
+  ScannedFootprints scene;
   ExtractOptions options;
   const auto house = [&](double x, double y, std::uint8_t code, int points, double z) {
     scene.footprints.push_back({{{x, y}, {x + 10, y}, {x + 10, y + 10}, {x, y + 10}}, {}});
@@ -237,7 +239,7 @@ TEST(Extract, RoofsInFilesWithoutTheClassAreByExclusion) {
 TEST(Extract, ACleanRoofWithoutTheClassIsARoof) {
   std::mt19937 random(test_seed());
   std::uniform_real_distribution<double> within(0.1, 9.9), deep(2, 9), noise(-0.03, 0.03);
-  Stars scene;
+  ScannedFootprints scene;
   const auto plot = [&](const auto& height, int points, std::uint8_t code, int ground_inside) {
     const double x = 20.0 * static_cast<double>(scene.footprints.size());
     scene.footprints.push_back(testing::rectangle(x, 0, x + 10, 10));
@@ -300,7 +302,8 @@ TEST(Extract, WithAWordOnClassesAFarPlaceChangesNothing) {
 }
 
 TEST(Extract, CourtyardIsOutside) {
-  Stars scene{{{{{0, 0}, {20, 0}, {20, 20}, {0, 20}}, {{{5, 5}, {5, 15}, {15, 15}, {15, 5}}}}}, {}};
+  ScannedFootprints scene{
+      {{{{0, 0}, {20, 0}, {20, 20}, {0, 20}}, {{{5, 5}, {5, 15}, {15, 15}, {15, 5}}}}}, {}};
   scene.cloud.push_back(10, 10, 20, 6);  // 0: a pavilion in the yard.
   scene.cloud.push_back(2, 2, 20, 6);    // 1: the roof.
   scene.cloud.push_back(5.5, 10, 1, 2);  // 2: in the yard, at the wall.
@@ -314,7 +317,7 @@ TEST(Extract, CourtyardIsOutside) {
 }
 
 TEST(Extract, AdjoiningBuildingsShareNoRoofPoint) {
-  Stars scene;
+  ScannedFootprints scene;
   for (int k = 0; k < 10; ++k) {
     const double x = k * 7.3;
     scene.footprints.push_back({{{x, 0}, {x + 7.3, 3}, {x + 7.3, 15}, {x, 12}}, {}});
@@ -327,7 +330,7 @@ TEST(Extract, AdjoiningBuildingsShareNoRoofPoint) {
 }
 
 TEST(Extract, SameForAnyNumberOfThreads) {
-  const Stars scene = random_scene(60, 150000, {1, 2, 6});
+  const ScannedFootprints scene = random_scene(60, 150000, {1, 2, 6});
   BuildingPoints one;
   {
     const ThreadLimit limit(1);
@@ -338,7 +341,7 @@ TEST(Extract, SameForAnyNumberOfThreads) {
 }
 
 TEST(Extract, BuildingsGiveWhatTheirFootprintsGive) {
-  const Stars scene = random_scene(20, 5000, {2, 6});
+  const ScannedFootprints scene = random_scene(20, 5000, {2, 6});
   std::vector<Building> buildings(scene.footprints.size());
   for (std::size_t b = 0; b < buildings.size(); ++b) buildings[b].footprint = scene.footprints[b];
   EXPECT_EQ(extract_building_points(std::span<const Building>(buildings), {}, scene.cloud),
@@ -346,7 +349,7 @@ TEST(Extract, BuildingsGiveWhatTheirFootprintsGive) {
 }
 
 TEST(Extract, NothingFromNothing) {
-  const Stars scene = random_scene(3, 100, {2, 6});
+  const ScannedFootprints scene = random_scene(3, 100, {2, 6});
   EXPECT_EQ(extract_building_points(std::vector<Polygon>{}, scene.cloud).roof.size(), 0U);
   const BuildingPoints points = extract_building_points(scene.footprints, PointCloud{});
   EXPECT_EQ(points.roof.size(), 3U);
@@ -358,7 +361,7 @@ TEST(Extract, NothingFromNothing) {
 
 TEST(Extract, ManyHugeFootprintsKeepTheGridSmall) {
   // Thousands of footprints that all cover one large square would fill any fine grid many times.
-  Stars scene = random_scene(0, 100, {6});
+  ScannedFootprints scene = random_scene(0, 100, {6});
   for (int k = 0; k < 3000; ++k) {
     const double half = 20000 + k;
     scene.footprints.push_back({{{-half, -half}, {half, -half}, {half, half}, {-half, half}}, {}});
@@ -369,7 +372,7 @@ TEST(Extract, ManyHugeFootprintsKeepTheGridSmall) {
 }
 
 TEST(Extract, CanBeStopped) {
-  const Stars scene = random_scene(3, 100, {2, 6});
+  const ScannedFootprints scene = random_scene(3, 100, {2, 6});
   EXPECT_THROW(
       extract_building_points(scene.footprints, scene.cloud, {}, {{}, [] { return true; }}),
       Cancelled);
@@ -444,7 +447,7 @@ TEST(DropOutliers, KeepsWhatIsAtTheLimit) {
 }
 
 TEST(MergeBuildingPoints, IsTheUnionOfTheMembers) {
-  const Stars scene = random_scene(50, 20000, {2, 6});
+  const ScannedFootprints scene = random_scene(50, 20000, {2, 6});
   const BuildingPoints points = extract_building_points(scene.footprints, scene.cloud);
   std::vector<std::vector<BuildingIndex>> members{indices_of<BuildingIndex>({3}),
                                                   indices_of<BuildingIndex>({10, 0, 20}),

@@ -2,7 +2,6 @@
 // no result at all that the next run makes the earlier one again.
 #include <csignal>
 #include <cstdint>
-#include <fstream>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -20,6 +19,7 @@ namespace tetropolis {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::put;
 using testing::snapshot;
 using testing::staging_folders;
 using Contents = std::map<std::string, std::string>;
@@ -65,11 +65,6 @@ Fate run_until_rename(int fatal, const Action& action) {
     if (info.op == PTRACE_SYSCALL_INFO_ENTRY && is_rename(info.entry.nr) && ++seen == fatal)
       kill(child, SIGKILL);
   }
-}
-
-void put(const fs::path& path, const std::string& text) {
-  fs::create_directories(path.parent_path());
-  std::ofstream(path) << text;
 }
 
 void make_earlier(const fs::path& result) {

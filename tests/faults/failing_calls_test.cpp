@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <limits>
 #include <string>
 #include <vector>
@@ -31,11 +30,6 @@ using testing::staging_folders;
 
 constexpr int kForGood = std::numeric_limits<int>::max();
 
-void put_file(const fs::path& path, const std::string& text) {
-  fs::create_directories(path.parent_path());
-  std::ofstream(path) << text;
-}
-
 /// What a commit into `result` says when its rename number `first` fails, and all others up to
 /// `last`; empty if it has fewer. `staging` becomes its hidden folder.
 std::string failed_commit(const fs::path& result, int first, int last, fs::path& staging) {
@@ -43,7 +37,7 @@ std::string failed_commit(const fs::path& result, int first, int last, fs::path&
   staging = staging_folders(result.parent_path()).at(0);
   for (const char* name :
        {"volume.vtu", "boundary.vtp", "report.json", "constant/polyMesh/points", "volume.msh"})
-    put_file(out / name, "new");
+    testing::put(out / name, "new");
   const FailingCalls failing(Call::kRename, first, last, EROFS);
   try {
     out.commit();
@@ -65,12 +59,12 @@ TEST(FailingCalls, MovesThatFailAreUndoneOrTheMessageSaysWhereTheEarlierResultIs
         const testing::TemporaryFolder scratch;
         const fs::path result = scratch / "result";
         for (const char* name : {"dtm.tif", "boundary.vtp", earlier})
-          put_file(result / name, "old");
-        put_file(result / "report.json",
-                 R"({"version": "0", "command": "build", "steps": [],
+          testing::put(result / name, "old");
+        testing::put(result / "report.json",
+                     R"({"version": "0", "command": "build", "steps": [],
                 "files": ["dtm.tif", "boundary.vtp", ")" +
-                     std::string(earlier) + R"("]})");
-        put_file(result / "notes.txt", "mine");
+                         std::string(earlier) + R"("]})");
+        testing::put(result / "notes.txt", "mine");
         const auto before = snapshot(scratch.path());
         fs::path staging;
         const std::string message =

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <optional>
 #include <string>
@@ -12,6 +13,12 @@
 #include <sys/types.h>
 
 namespace tetropolis::testing {
+
+/// Writes a file, and the folders above it.
+inline void put(const std::filesystem::path& path, const std::string& text) {
+  std::filesystem::create_directories(path.parent_path());
+  std::ofstream(path) << text;
+}
 
 struct ProcessLimits {
   rlim_t file_size = RLIM_INFINITY;      ///< Bytes; what goes beyond fails with EFBIG.

@@ -13,7 +13,7 @@
 #include "core/infinity.h"
 #include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
-#include "physical_names.h"
+#include "msh_common.h"
 #include "zone_blocks.h"
 
 namespace tetropolis {

@@ -11,7 +11,7 @@
 #include "column_output.h"
 #include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
-#include "vtk_wedge.h"
+#include "vtk_cells.h"
 
 namespace tetropolis {
 

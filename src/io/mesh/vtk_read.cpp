@@ -11,8 +11,8 @@
 #include "tetropolis/io/mesh/vtk.h"
 
 #include "mesh_input.h"
+#include "vtk_cells.h"
 #include "vtk_input.h"
-#include "vtk_wedge.h"
 
 namespace tetropolis {
 

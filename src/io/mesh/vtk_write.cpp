@@ -15,8 +15,8 @@
 
 #include "column_output.h"
 #include "io/file/chunked_output.h"
+#include "vtk_cells.h"
 #include "vtk_output.h"
-#include "vtk_wedge.h"
 
 namespace tetropolis {
 

@@ -15,7 +15,7 @@
 #include "io/file/hdf5_file.h"
 #include "io/file/hdf5_handle.h"
 #include "io/file/hdf5_output.h"
-#include "vtk_wedge.h"
+#include "vtk_cells.h"
 
 namespace tetropolis {
 

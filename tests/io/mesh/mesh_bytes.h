@@ -23,6 +23,12 @@
 
 namespace tetropolis::testing {
 
+/// As they lie in memory.
+template <typename Number>
+std::string bytes_of_numbers(const std::vector<Number>& numbers) {
+  return {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(Number)};
+}
+
 /// Reads bytes in order; running over the end throws.
 class Cursor {
  public:

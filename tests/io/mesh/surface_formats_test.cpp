@@ -18,6 +18,7 @@
 namespace tetropolis {
 namespace {
 
+using testing::bytes_of_numbers;
 using testing::Cursor;
 using testing::Point3;
 
@@ -266,11 +267,6 @@ std::string column(const Glb& glb, const char* property, const char* part) {
                          view["byteLength"].get<std::size_t>());
 }
 
-template <typename Number>
-std::string raw(const std::vector<Number>& numbers) {
-  return {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(Number)};
-}
-
 TEST_F(SurfaceFormats, GlbVerticesBelongToOneBuilding) {
   // Two roofs that share an edge, and ground that no building has.
   SurfaceMesh touching;
@@ -315,12 +311,13 @@ TEST_F(SurfaceFormats, GlbVerticesBelongToOneBuilding) {
   EXPECT_EQ(metadata["propertyTables"][0]["count"], 2);
   EXPECT_EQ(metadata["schema"]["classes"]["building"]["properties"]["source_ids"]["array"], true);
   EXPECT_EQ(column(glb, "id", "values"), "b0b14");
-  EXPECT_EQ(column(glb, "id", "stringOffsets"), raw<std::uint32_t>({0, 2, 5}));
+  EXPECT_EQ(column(glb, "id", "stringOffsets"), bytes_of_numbers<std::uint32_t>({0, 2, 5}));
   EXPECT_EQ(column(glb, "source_ids", "values"), "xyz\u00e5");
-  EXPECT_EQ(column(glb, "source_ids", "stringOffsets"), raw<std::uint32_t>({0, 1, 3, 5}));
-  EXPECT_EQ(column(glb, "source_ids", "arrayOffsets"), raw<std::uint32_t>({0, 2, 3}));
-  EXPECT_EQ(column(glb, "h_ground", "values"), raw<double>({1, -1}));
-  EXPECT_EQ(column(glb, "h_roof", "values"), raw<double>({5, 5}));
+  EXPECT_EQ(column(glb, "source_ids", "stringOffsets"),
+            bytes_of_numbers<std::uint32_t>({0, 1, 3, 5}));
+  EXPECT_EQ(column(glb, "source_ids", "arrayOffsets"), bytes_of_numbers<std::uint32_t>({0, 2, 3}));
+  EXPECT_EQ(column(glb, "h_ground", "values"), bytes_of_numbers<double>({1, -1}));
+  EXPECT_EQ(column(glb, "h_roof", "values"), bytes_of_numbers<double>({5, 5}));
   EXPECT_EQ(glb.json["extensionsUsed"].size(), 2U);
   // Without buildings it is plain glTF.
   write_glb(folder / "plain.glb", touching, {});

@@ -12,6 +12,7 @@
 
 #include "io/limited_memory.h"
 #include "io/mesh/mesh_input.h"
+#include "mesh_bytes.h"
 #include "support/bytes.h"
 #include "support/errors.h"
 #include "support/explicit_mesh.h"
@@ -23,6 +24,7 @@ namespace tetropolis {
 namespace {
 
 using testing::bytes_of;
+using testing::bytes_of_numbers;
 using testing::write_bytes;
 
 /// The message of the Error that `call` throws.
@@ -97,11 +99,6 @@ std::string array_of(const std::string& bytes, const std::string& name) {
   return bytes.substr(at + sizeof size, size);
 }
 
-template <typename Number>
-std::string bytes_of(const std::vector<Number>& numbers) {
-  return {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(Number)};
-}
-
 TEST_F(Vtk, PatchesAndBuildingsAreNamedInTheFieldData) {
   std::vector<Building> buildings(2);
   buildings[0].id = std::string(
@@ -121,14 +118,15 @@ TEST_F(Vtk, PatchesAndBuildingsAreNamedInTheFieldData) {
   write_vtp(folder / "boundary.vtp", surface, {}, Compression::kNone, buildings);
   write_vtu(folder / "volume.vtu", city.mesh, {}, {}, Compression::kNone, buildings);
   const std::string vtp = bytes_of(folder / "boundary.vtp"), vtu = bytes_of(folder / "volume.vtu");
-  EXPECT_EQ(array_of(vtp, "patch_number"), bytes_of<std::int32_t>({1, 2, 3, 4, 5, 6, 7, 8}));
+  EXPECT_EQ(array_of(vtp, "patch_number"),
+            bytes_of_numbers<std::int32_t>({1, 2, 3, 4, 5, 6, 7, 8}));
   EXPECT_EQ(array_of(vtp, "patch_name"),
             std::string("ground\0roof\0wall\0top\0xmin\0xmax\0ymin\0ymax\0", 41));
   for (const std::string& file : {vtp, vtu}) {
     EXPECT_EQ(array_of(file, "building_id"), ids);
     EXPECT_EQ(array_of(file, "building_source_ids"), sources);
-    EXPECT_EQ(array_of(file, "building_h_ground"), bytes_of<double>({1.5, -2}));
-    EXPECT_EQ(array_of(file, "building_h_roof"), bytes_of<double>({9, 4}));
+    EXPECT_EQ(array_of(file, "building_h_ground"), bytes_of_numbers<double>({1.5, -2}));
+    EXPECT_EQ(array_of(file, "building_h_roof"), bytes_of_numbers<double>({9, 4}));
   }
   EXPECT_NE(vtp.find("<Array type=\"String\" Name=\"building_id\" NumberOfTuples=\"2\""),
             std::string::npos);

@@ -302,7 +302,6 @@ TEST(Excavate, GroundRisesFromTheToeOfACliffAsAsked) {
 TEST(Excavate, MarksTheToesOfCliffsWithBadCells) {
   const Cliff cliff(4);
   const auto result = testing::meshed(cliff.city, 4);
-  const double infinity = kInfinity;
   const CellQuality cells = measure_cells(result.mesh, 10'000'000);
   std::size_t most = 0;
   for (const double least : {0.5, 14.0, 60.0})
@@ -337,7 +336,7 @@ TEST(Excavate, MarksTheToesOfCliffsWithBadCells) {
       }
       EXPECT_EQ(testing::count_bad_cells(result.mesh, bounds), bad);
       ExcavationMarks marks;
-      marks.toes.assign(result.plan.ground.size(), infinity);
+      marks.toes.assign(result.plan.ground.size(), kInfinity);
       const std::int64_t marked =
           mark_slope_toes(result.mesh, result.plan, bad_triangles, rule, marks);
       std::set<std::size_t> allowed;
@@ -350,7 +349,7 @@ TEST(Excavate, MarksTheToesOfCliffsWithBadCells) {
         }
       std::int64_t toes = 0;
       for (std::size_t v = 0; v < marks.toes.size(); ++v) {
-        if (marks.toes[v] == infinity) continue;
+        if (marks.toes[v] == kInfinity) continue;
         ++toes;
         EXPECT_TRUE(allowed.count(v) == 1 && marks.toes[v] == result.plan.ground[v]) << v;
       }
@@ -483,7 +482,6 @@ TEST(Excavate, MarksStayWhereTheyHelp) {
     if (near(v, city.footprints[1])) bad_after[t] = 1;
   }
   const std::size_t n = after.size();
-  const double none = kInfinity;
   std::size_t first = n, second = n, far = n;
   for (std::size_t v = 0; v < n; ++v) {
     if (near(v, city.footprints[0])) first = v;
@@ -493,7 +491,7 @@ TEST(Excavate, MarksStayWhereTheyHelp) {
       far = v;
   }
   ASSERT_LT(std::max({first, second, far}), n);
-  ExcavationMarks before{{0, 0}, std::vector<double>(n, none)};
+  ExcavationMarks before{{0, 0}, std::vector<double>(n, kInfinity)};
   before.toes[far] = -3;
   ExcavationMarks marks = before;
   marks.roofs = {1, 1};

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <set>
 #include <vector>
 
@@ -10,6 +9,7 @@
 
 #include "tetropolis/core/threads.h"
 
+#include "core/units.h"
 #include "support/explicit_mesh.h"
 #include "support/small_city.h"
 #include "support/spoilt_mesh.h"
@@ -22,8 +22,6 @@ namespace tetropolis {
 namespace {
 
 using Counting = MeasuredMesh::Counting;
-
-constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 
 ColumnMesh spoilt_city(double (*terrain)(double, double), double share) {
   return testing::spoilt(testing::meshed(testing::small_city(terrain)).mesh, share);
@@ -67,16 +65,15 @@ TEST(StackKernels, CellsAreThoseOfTetShape) {
           return lists.points[static_cast<std::size_t>(lists.cells[cell][i])];
         };
         const testing::TetShape shape = testing::tet_shape(p(0), p(1), p(2), p(3));
-        ASSERT_NEAR(kernels.greatest()[k], std::cos(shape.min_dihedral_deg / kDegreesPerRadian),
-                    1e-11);
+        ASSERT_NEAR(kernels.greatest()[k], std::cos(to_radians(shape.min_dihedral_deg)), 1e-11);
         ASSERT_NEAR(std::sqrt(kernels.aspect2()[k]) / shape.aspect_ratio, 1, 1e-9);
-        greatest = std::max(greatest, std::cos(shape.min_dihedral_deg / kDegreesPerRadian));
+        greatest = std::max(greatest, std::cos(to_radians(shape.min_dihedral_deg)));
         widest = std::max(widest, shape.max_dihedral_deg);
         ratio = std::max(ratio, shape.aspect_ratio);
       }
       EXPECT_EQ(kernels.cells().inverted, 0);
       EXPECT_NEAR(kernels.cells().greatest, greatest, 1e-11);
-      EXPECT_NEAR(kernels.cells().least, std::cos(widest / kDegreesPerRadian), 1e-11);
+      EXPECT_NEAR(kernels.cells().least, std::cos(to_radians(widest)), 1e-11);
       EXPECT_NEAR(std::sqrt(kernels.cells().aspect2) / ratio, 1, 1e-9);
     }
     EXPECT_EQ(cell, lists.cells.size());
@@ -96,7 +93,7 @@ TEST(StackKernels, FacesAreThoseOfFaceShape) {
     std::array<Strip, 2> strips;
     const auto expect_worst = [](const FaceFigures& figures, const FaceQuality& expected,
                                  bool has_boundary) {
-      const double cosine = std::cos(expected.worst.non_orthogonality_deg / kDegreesPerRadian);
+      const double cosine = std::cos(to_radians(expected.worst.non_orthogonality_deg));
       ASSERT_NEAR(std::sqrt(figures.straight2), expected.faces > 0 ? cosine : 1, 1e-9);
       if (has_boundary)
         ASSERT_LE(std::sqrt(figures.skewness2), expected.worst.skewness + 1e-7);

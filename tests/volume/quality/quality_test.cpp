@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -10,6 +9,7 @@
 #include "tetropolis/volume/quality/cell_quality.h"
 #include "tetropolis/volume/quality/face_quality.h"
 
+#include "core/units.h"
 #include "support/explicit_mesh.h"
 #include "support/small_city.h"
 #include "support/test_data.h"
@@ -19,21 +19,19 @@
 namespace tetropolis {
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
-
 TEST(Quality, KnownTetrahedra) {
   const double h = 1 / std::sqrt(2.0);
   const testing::TetShape regular =
       testing::tet_shape({1, 0, -h}, {-1, 0, -h}, {0, 1, h}, {0, -1, h});
-  EXPECT_NEAR(regular.min_dihedral_deg, std::acos(1.0 / 3) * kDegrees, 1e-9);
-  EXPECT_NEAR(regular.max_dihedral_deg, std::acos(1.0 / 3) * kDegrees, 1e-9);
+  EXPECT_NEAR(regular.min_dihedral_deg, to_degrees(std::acos(1.0 / 3)), 1e-9);
+  EXPECT_NEAR(regular.max_dihedral_deg, to_degrees(std::acos(1.0 / 3)), 1e-9);
   EXPECT_NEAR(regular.aspect_ratio, 1, 1e-12);
   EXPECT_NEAR(std::abs(regular.volume), 8 / (6 * std::sqrt(2.0)), 1e-12);
 
   const testing::TetShape corner = testing::tet_shape({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1});
   EXPECT_NEAR(corner.volume, 1.0 / 6, 1e-15);
   EXPECT_NEAR(corner.max_dihedral_deg, 90, 1e-9);
-  EXPECT_NEAR(corner.min_dihedral_deg, std::acos(1 / std::sqrt(3.0)) * kDegrees, 1e-9);
+  EXPECT_NEAR(corner.min_dihedral_deg, to_degrees(std::acos(1 / std::sqrt(3.0))), 1e-9);
 
   const testing::TetShape mirrored = testing::tet_shape({0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 0, 1});
   EXPECT_NEAR(mirrored.volume, -1.0 / 6, 1e-15);
@@ -52,10 +50,10 @@ TEST(Quality, QuantilesAreThoseOfTheSortedValues) {
       return Point3{coordinate(random), coordinate(random), coordinate(random)};
     };
     const testing::TetShape shape = testing::tet_shape(p(), p(), p(), p());
-    const double cosine = std::cos(shape.min_dihedral_deg / kDegrees);
+    const double cosine = std::cos(to_radians(shape.min_dihedral_deg));
     const double square = shape.aspect_ratio * shape.aspect_ratio;
     histogram.add({&cosine, 1}, {&square, 1}, 0);
-    histogram.widen(cosine, std::cos(shape.max_dihedral_deg / kDegrees), shape.aspect_ratio);
+    histogram.widen(cosine, std::cos(to_radians(shape.max_dihedral_deg)), shape.aspect_ratio);
     angles.push_back(shape.min_dihedral_deg);
     aspects.push_back(shape.aspect_ratio);
   }
