@@ -14,6 +14,17 @@ set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+# dpkg-shlibdeps sees what is linked. What is loaded later is in the packages of these files.
+find_program(DPKG_QUERY dpkg-query)
+if(TETROPOLIS_DEFERRED AND DPKG_QUERY)
+  foreach(file ${gdal_file} ${proj_file} ${hdf5_file})
+    execute_process(COMMAND ${DPKG_QUERY} -S ${file} OUTPUT_VARIABLE package ERROR_QUIET)
+    if(package MATCHES "^([^:, ]+)")
+      list(APPEND loaded ${CMAKE_MATCH_1})
+    endif()
+  endforeach()
+  list(JOIN loaded ", " CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS)
+endif()
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME tetropolis)
 set(CPACK_DEBIAN_PROGRAM_DESCRIPTION
 "Tetropolis turns building footprints and airborne LiDAR into a conforming

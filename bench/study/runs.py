@@ -1,4 +1,5 @@
 """Runs of the program, what they report, and medians over them."""
+import ctypes.util
 import json
 import os
 import pathlib
@@ -117,9 +118,10 @@ class Bench:
         return float(done.stdout.split()[1])
 
     def empty_process(self):
-        """Wall seconds of a run that loads the libraries and does nothing."""
+        """Wall seconds of a run that loads the libraries a build does, and does nothing."""
         begin = time.monotonic()
-        subprocess.run([str(self.program), "--version"], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([str(self.program), "--version"], check=True, stdout=subprocess.DEVNULL,
+                       env={**os.environ, "LD_PRELOAD": ctypes.util.find_library("gdal") or ""})
         return time.monotonic() - begin
 
     def disk_speed(self, size, sync, turns=None):

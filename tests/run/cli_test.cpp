@@ -22,6 +22,7 @@
 #include "tetropolis/io/vector/vector.h"
 #include "tetropolis/run/config.h"
 
+#include "io/deferred/library_names.h"
 #include "support/bytes.h"
 #include "support/sanitized.h"
 #include "support/test_data.h"
@@ -1285,6 +1286,18 @@ TEST_F(Cli, HelpNamesWhatMattersAndHelpAllEveryOption) {
     EXPECT_EQ(run(asked).out.substr(0, 11), "tetropolis ");
   EXPECT_EQ(run("help").out, run("--help").out);
   EXPECT_NE(run("help biuld").err.find("did you mean 'build'?"), std::string::npos);
+}
+
+/// GDAL brings a hundred libraries along, which a start would wait for.
+TEST_F(Cli, LibrariesOfFormatsAreLoadedWhenNeeded) {
+#ifdef TETROPOLIS_DEFERRED
+  const Outcome start = shell("LD_TRACE_LOADED_OBJECTS=1 '" TETROPOLIS_PROGRAM "'");
+  EXPECT_NE(start.out.find("libtbb"), std::string::npos) << start.out;
+  for (const char* library : {"libgdal", "libproj", "libhdf5"})
+    EXPECT_EQ(start.out.find(library), std::string::npos) << start.out;
+#else
+  GTEST_SKIP() << "they are linked";
+#endif
 }
 
 TEST_F(Cli, HelpFitsTheTerminal) {

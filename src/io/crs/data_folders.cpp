@@ -6,11 +6,10 @@
 #include <string>
 #include <system_error>
 
-#include <cpl_conv.h>
-#include <cpl_string.h>
 #include <dlfcn.h>
 #include <link.h>
-#include <ogr_srs_api.h>
+
+#include "io/deferred/gdal_functions.h"
 
 namespace tetropolis::gdal {
 
@@ -36,15 +35,15 @@ void use_own_data() {
   if (fs::is_directory(share / "gdal", error))
     CPLSetConfigOption("GDAL_DATA", (share / "gdal").c_str());
   if (!fs::is_regular_file(share / "proj" / "proj.db", error)) return;
-  CPLStringList folders;
-  folders.AddString((share / "proj").c_str());
+  gdal::StringList folders;
+  folders.add((share / "proj").c_str());
   // PROJ looks nowhere else once it has a list.
   for (const char* name : {"PROJ_DATA", "PROJ_LIB"}) {
     const char* value = std::getenv(name);
     std::istringstream list(value != nullptr ? value : "");
-    for (std::string folder; std::getline(list, folder, ':');) folders.AddString(folder.c_str());
+    for (std::string folder; std::getline(list, folder, ':');) folders.add(folder.c_str());
   }
-  OSRSetPROJSearchPaths(folders.List());
+  OSRSetPROJSearchPaths(folders.list());
 }
 
 }  // namespace tetropolis::gdal

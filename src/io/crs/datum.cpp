@@ -6,12 +6,11 @@
 #include <type_traits>
 #include <vector>
 
-#include <proj.h>
-
 #include "tetropolis/core/error.h"
 #include "tetropolis/io/crs/crs.h"
 
 #include "gdal_support.h"
+#include "io/deferred/proj_functions.h"
 
 namespace tetropolis {
 

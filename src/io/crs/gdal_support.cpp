@@ -5,12 +5,12 @@
 #include <string>
 #include <string_view>
 
-#include <cpl_vsi.h>
 #include <fmt/format.h>
 
 #include "tetropolis/core/error.h"
 
 #include "data_folders.h"
+#include "io/deferred/gdal_functions.h"
 
 namespace tetropolis::gdal {
 
@@ -103,6 +103,15 @@ void QuietErrors::reset() {
   last_.clear();
   by_about_ = {};
   passed_over_.clear();
+}
+
+ConfigOption::ConfigOption(const char* key, const char* value) : key_(key) {
+  if (const char* before = CPLGetThreadLocalConfigOption(key, nullptr)) before_ = before;
+  CPLSetThreadLocalConfigOption(key, value);
+}
+
+ConfigOption::~ConfigOption() {
+  CPLSetThreadLocalConfigOption(key_, before_ ? before_->c_str() : nullptr);
 }
 
 MemoryFolder::MemoryFolder()

@@ -5,17 +5,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
 
-#include <cpl_conv.h>
-#include <cpl_error.h>
-#include <cpl_string.h>
-#include <gdal.h>
-#include <ogr_api.h>
-#include <ogr_srs_api.h>
+#include "io/deferred/gdal_functions.h"
 
 namespace tetropolis::gdal {
 
@@ -97,6 +93,43 @@ struct GeometryDeleter {
   void operator()(OGRGeometryH geometry) const { OGR_G_DestroyGeometry(geometry); }
 };
 using Geometry = std::unique_ptr<std::remove_pointer_t<OGRGeometryH>, GeometryDeleter>;
+
+/// An option of GDAL's configuration on this thread while it lives, whatever was set before.
+class ConfigOption {
+ public:
+  /// The key is kept, not copied.
+  ConfigOption(const char* key, const char* value);
+  ~ConfigOption();
+  ConfigOption(const ConfigOption&) = delete;
+  ConfigOption& operator=(const ConfigOption&) = delete;
+
+ private:
+  const char* key_;
+  std::optional<std::string> before_;
+};
+
+/// Words, or keys and values, as GDAL wants them.
+class StringList {
+ public:
+  StringList() = default;
+  ~StringList() { CSLDestroy(list_); }
+  StringList(const StringList&) = delete;
+  StringList& operator=(const StringList&) = delete;
+
+  StringList& add(const char* word) {
+    list_ = CSLAddString(list_, word);
+    return *this;
+  }
+  StringList& set(const char* key, const char* value) {
+    list_ = CSLSetNameValue(list_, key, value);
+    return *this;
+  }
+  /// Null where there are none.
+  char** list() const { return list_; }
+
+ private:
+  char** list_ = nullptr;
+};
 
 /// A folder of GDAL's in memory while it lives.
 class MemoryFolder {

@@ -4,10 +4,9 @@
 #include <array>
 #include <cassert>
 
-#include <hdf5.h>
-
 #include "hdf5_file.h"
 #include "hdf5_handle.h"
+#include "io/deferred/hdf5_functions.h"
 
 namespace tetropolis {
 

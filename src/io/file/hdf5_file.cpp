@@ -12,11 +12,9 @@
 
 #include <fcntl.h>
 #include <unistd.h>
-#if H5_VERSION_GE(1, 13, 0)
-#include <H5FDdevelop.h>
-#endif
 
 #include "atomic_file.h"
+#include "io/deferred/hdf5_functions.h"
 
 namespace tetropolis {
 

@@ -3,9 +3,8 @@
 
 #include <filesystem>
 
-#include <hdf5.h>
-
 #include "hdf5_handle.h"
+#include "io/deferred/hdf5_functions.h"
 
 namespace tetropolis {
 

@@ -1,7 +1,7 @@
 // Owners for what HDF5 hands out.
 #pragma once
 
-#include <hdf5.h>
+#include "io/deferred/hdf5_functions.h"
 
 namespace tetropolis {
 

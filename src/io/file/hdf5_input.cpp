@@ -4,10 +4,9 @@
 #include <system_error>
 #include <utility>
 
-#include <hdf5.h>
-
 #include "core/foreign_code.h"
 #include "input_file.h"
+#include "io/deferred/hdf5_functions.h"
 
 namespace tetropolis {
 

@@ -6,10 +6,9 @@
 #include <fstream>
 #include <system_error>
 
-#include <hdf5.h>
-
 #include "hdf5_file.h"
 #include "hdf5_handle.h"
+#include "io/deferred/hdf5_functions.h"
 
 namespace tetropolis {
 

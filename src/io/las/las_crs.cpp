@@ -11,12 +11,12 @@
 #include <utility>
 #include <vector>
 
-#include <cpl_vsi.h>
 #include <fmt/format.h>
 
 #include "tetropolis/io/crs/crs.h"
 
 #include "io/crs/gdal_support.h"
+#include "io/deferred/gdal_functions.h"
 #include "las_header.h"
 
 namespace tetropolis {
@@ -189,7 +189,7 @@ std::string crs_of(const std::vector<Vlr>& vlrs, bool prefer_wkt) {
   if (find(vlrs, kGeoKeys) == nullptr && find(vlrs, kWkt) == nullptr) return "";
   gdal::initialise();
   const gdal::QuietErrors errors;
-  const CPLConfigOptionSetter no_side_car("GDAL_PAM_ENABLED", "NO", false);
+  const gdal::ConfigOption no_side_car("GDAL_PAM_ENABLED", "NO");
   const std::string first = prefer_wkt ? crs_of_wkt(vlrs) : crs_of_keys(vlrs);
   if (!first.empty()) return first;
   return prefer_wkt ? crs_of_keys(vlrs) : crs_of_wkt(vlrs);

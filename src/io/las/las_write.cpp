@@ -185,7 +185,7 @@ void add_crs(const LazWriter& writer, laszip_header_struct& header, const std::s
   char* text = nullptr;
   // The specification means the WKT of OGC 2001.
   const bool is_written = OSRExportToWkt(gdal::parse_srs(crs).get(), &text) == OGRERR_NONE;
-  const std::unique_ptr<char, decltype(&CPLFree)> wkt(text, &CPLFree);
+  const std::unique_ptr<char, void (*)(void*)> wkt(text, VSIFree);
   if (!is_written || !wkt || std::strlen(text) >= std::numeric_limits<std::uint16_t>::max()) return;
   const auto length = static_cast<laszip_U16>(std::strlen(text) + 1);
   writer.check(laszip_add_vlr(writer.get(), "LASF_Projection", 2112, length, "OGC WKT",

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <hdf5.h>
 
 #include "tetropolis/core/error.h"
 
 #include "column_output.h"
+#include "io/deferred/hdf5_functions.h"
 #include "io/file/atomic_file.h"
 #include "io/file/chunked_output.h"
 #include "io/file/hdf5_file.h"

@@ -8,9 +8,8 @@
 #include <string>
 #include <vector>
 
-#include <hdf5.h>
-
 #include "column_output.h"
+#include "io/deferred/hdf5_functions.h"
 #include "io/file/chunked_output.h"
 #include "io/file/hdf5_file.h"
 #include "io/file/hdf5_handle.h"

@@ -150,19 +150,17 @@ void write_raster(const fs::path& path, const Raster& raster, Point2 origin, con
   const gdal::MemoryFolder memory;
   gdal::QuietErrors errors;
   // No side-car file, and one spelling of the keys whatever the machine's configuration.
-  const CPLConfigOptionSetter no_side_car("GDAL_PAM_ENABLED", "NO", false);
-  CPLStringList options;
-  options.SetNameValue("BIGTIFF", "IF_SAFER")
-      .SetNameValue("GEOTIFF_VERSION", "1.1")
-      .SetNameValue("BLOCKYSIZE", "1");
+  const gdal::ConfigOption no_side_car("GDAL_PAM_ENABLED", "NO");
+  gdal::StringList options;
+  options.set("BIGTIFF", "IF_SAFER").set("GEOTIFF_VERSION", "1.1").set("BLOCKYSIZE", "1");
   // Heights take longer to compress than to write; level ground does not.
   const auto is_first = [&](double height) { return height == raster.values.front(); };
   if (std::all_of(raster.values.begin(), raster.values.end(), is_first))
-    options.SetNameValue("COMPRESS", "DEFLATE");
+    options.set("COMPRESS", "DEFLATE");
   const bool is_single = fits_single(raster);
   gdal::Dataset dataset(GDALCreate(GDALGetDriverByName("GTiff"), memory.path("a.tif").c_str(),
                                    raster.nx, raster.ny, 1, is_single ? GDT_Float32 : GDT_Float64,
-                                   options.List()));
+                                   options.list()));
   if (dataset == nullptr) throw_cannot_write(path, errors.last());
   describe(dataset.get(), raster, origin, canonical, domain);
   const bool written = is_single ? write_values<float>(dataset.get(), raster)

@@ -12,10 +12,10 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <gdal_utils.h>
 
 #include "core/infinity.h"
 #include "core/text.h"
+#include "io/deferred/gdal_functions.h"
 #include "io/file/input_file.h"
 
 namespace tetropolis {
@@ -62,10 +62,10 @@ RasterFile open_elevations(const fs::path& path, const gdal::QuietErrors& errors
   file.source = open_raster(path, errors);
   require_sound(path, file.source.get());
   if (!is_upright(file.source.get())) {
-    CPLStringList words;
+    gdal::StringList words;
     for (const char* word : {"-of", "VRT", "-r", "bilinear", "-ot", "Float64", "-dstnodata", "nan"})
-      words.AddString(word);
-    GDALWarpAppOptions* options = GDALWarpAppOptionsNew(words.List(), nullptr);
+      words.add(word);
+    GDALWarpAppOptions* options = GDALWarpAppOptionsNew(words.list(), nullptr);
     GDALDatasetH sources = file.source.get();
     file.upright.reset(GDALWarp("", nullptr, 1, &sources, options, nullptr));
     GDALWarpAppOptionsFree(options);

@@ -299,9 +299,9 @@ void write_city_layers(const std::filesystem::path& path, const CityModel& raw,
   const gdal::MemoryFolder folder;
   const std::string name = path.filename().string();
   gdal::QuietErrors errors;
-  const CPLConfigOptionSetter fixed_date("OGR_CURRENT_DATE", "1970-01-01T00:00:00Z", false);
+  const gdal::ConfigOption fixed_date("OGR_CURRENT_DATE", "1970-01-01T00:00:00Z");
   // To check that there are none, GDAL reads the tiling schemes of its data folder.
-  const CPLConfigOptionSetter unchecked("GDAL_VALIDATE_CREATION_OPTIONS", "NO", false);
+  const gdal::ConfigOption unchecked("GDAL_VALIDATE_CREATION_OPTIONS", "NO");
   gdal::Dataset dataset(GDALCreate(GDALGetDriverByName("GPKG"), folder.path(name).c_str(), 0, 0, 0,
                                    GDT_Unknown, nullptr));
   if (dataset == nullptr) throw_cannot_write(path, errors.last());

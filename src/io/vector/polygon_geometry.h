@@ -1,9 +1,9 @@
 // From plain polygons to OGR geometries. Private to src/io.
 #pragma once
 
-#include <ogr_api.h>
-
 #include "tetropolis/geometry/types.h"
+
+#include "io/deferred/gdal_functions.h"
 
 namespace tetropolis {
 

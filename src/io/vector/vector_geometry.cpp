@@ -10,12 +10,11 @@
 #include <utility>
 #include <vector>
 
-#include <ogr_core.h>
-
 #include "tetropolis/geometry/polygon.h"
 
 #include "core/infinity.h"
 #include "io/crs/gdal_support.h"
+#include "io/deferred/gdal_functions.h"
 #include "io/vector/quirks/turned_rings.h"
 
 namespace tetropolis {

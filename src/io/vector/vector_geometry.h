@@ -5,11 +5,10 @@
 #include <string>
 #include <vector>
 
-#include <ogr_api.h>
-
 #include "tetropolis/geometry/types.h"
 #include "tetropolis/io/vector/vector.h"
 
+#include "io/deferred/gdal_functions.h"
 #include "io/vector/quirks/turned_rings.h"
 
 namespace tetropolis {

@@ -68,7 +68,7 @@ std::vector<VectorLayer> list_layers(const fs::path& path) {
   const ForeignCode gdal_code(path.c_str());
   gdal::initialise();
   gdal::QuietErrors errors;
-  const CPLConfigOptionSetter nothing_beside("CPL_VSIL_GZIP_WRITE_PROPERTIES", "NO", false);
+  const gdal::ConfigOption nothing_beside("CPL_VSIL_GZIP_WRITE_PROPERTIES", "NO");
   const VectorFile file = open_vector(path, errors);
   std::vector<VectorLayer> layers;
   for (int i = 0; i < GDALDatasetGetLayerCount(file.dataset.get()); ++i) {

@@ -8,12 +8,12 @@
 #include <system_error>
 #include <vector>
 
-#include <cpl_vsi.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "core/is_among.h"
 #include "core/text.h"
+#include "io/deferred/gdal_functions.h"
 #include "io/file/input_file.h"
 #include "io/vector/osm/osm_buildings.h"
 #include "io/vector/osm/osm_elements.h"
@@ -183,17 +183,17 @@ VectorFile open_vector(const fs::path& path, const gdal::QuietErrors& errors, bo
     file.copy = std::make_shared<const gdal::MemoryFolder>();
     name = copy_shapefile(path, *file.copy);
   }
-  const CPLConfigOptionSetter restore("SHAPE_RESTORE_SHX", needs_copy(path) ? "YES" : "NO", false);
-  CPLStringList options;
-  options.SetNameValue("WRITE_GFS", "NO");
+  const gdal::ConfigOption restore("SHAPE_RESTORE_SHX", needs_copy(path) ? "YES" : "NO");
+  gdal::StringList options;
+  options.set("WRITE_GFS", "NO");
   if (is_in_wal_mode(path)) {
     if (const auto journal = fs::file_size(path.string() + "-wal", error); !error && journal > 0)
       file.scratch = copy_with_journal(path, name);
     else
-      options.SetNameValue("IMMUTABLE", "YES");
+      options.set("IMMUTABLE", "YES");
   }
   file.dataset.reset(GDALOpenEx(name.c_str(), GDAL_OF_VECTOR | GDAL_OF_VERBOSE_ERROR, nullptr,
-                                options.List(), nullptr));
+                                options.list(), nullptr));
   if (file.dataset == nullptr && lower_case(path.extension().string()).ends_with("parquet"))
     fail_input(path,
                "is GeoParquet, which this GDAL does not read; take the data as GeoJSON or "

@@ -12,7 +12,6 @@
 #include <unordered_set>
 #include <utility>
 
-#include <cpl_vsi.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -28,6 +27,7 @@
 #include "feature_heights.h"
 #include "feature_marks.h"
 #include "io/crs/gdal_support.h"
+#include "io/deferred/gdal_functions.h"
 #include "io/file/input_file.h"
 #include "io/vector/quirks/incomplete_file.h"
 #include "model_footprints.h"
@@ -538,11 +538,11 @@ FootprintsInput read_footprints(const fs::path& path, const ReadFootprintsOption
   if (is_city_model(path)) return read_model_footprints(path, options);
   normalise_crs(options.target_crs);  // what is wrong with a setting is told before files are read
   gdal::QuietErrors errors;
-  const CPLConfigOptionSetter by_layer("OGR_INTERLEAVED_READING", "NO", false);
-  const CPLConfigOptionSetter nothing_beside("CPL_VSIL_GZIP_WRITE_PROPERTIES", "NO", false);
-  const CPLConfigOptionSetter on("GML_SKIP_CORRUPTED_FEATURES", "YES", false);
+  const gdal::ConfigOption by_layer("OGR_INTERLEAVED_READING", "NO");
+  const gdal::ConfigOption nothing_beside("CPL_VSIL_GZIP_WRITE_PROPERTIES", "NO");
+  const gdal::ConfigOption on("GML_SKIP_CORRUPTED_FEATURES", "YES");
   // Of shapefiles, whose systems have no codes: canonical_name() looks for one if it has to.
-  const CPLConfigOptionSetter no_search("USE_OSR_FIND_MATCHES", "NO", false);
+  const gdal::ConfigOption no_search("USE_OSR_FIND_MATCHES", "NO");
   const VectorFile file = open_vector(path, errors, !options.source_crs.empty());
   return read_open_vector(path, file, errors, options);
 }

@@ -66,14 +66,14 @@ bool add_features(OGRLayerH layer, const Features& content) {
 
 bool write_layer(GDALDatasetH dataset, const fs::path& path, const Features& content,
                  const std::string& crs) {
-  CPLStringList options;
+  gdal::StringList options;
   const std::string_view driver = driver_of(path);
   if (driver == "ESRI Shapefile")
-    options.SetNameValue("DBF_DATE_LAST_UPDATE", "1970-01-01").SetNameValue("ENCODING", "UTF-8");
-  if (driver == "GeoJSON") options.SetNameValue("COORDINATE_PRECISION", "10");
+    options.set("DBF_DATE_LAST_UPDATE", "1970-01-01").set("ENCODING", "UTF-8");
+  if (driver == "GeoJSON") options.set("COORDINATE_PRECISION", "10");
   const gdal::Srs srs = crs.empty() ? nullptr : gdal::parse_srs(crs);
   OGRLayerH layer =
-      GDALDatasetCreateLayer(dataset, path.stem().c_str(), srs.get(), wkbPolygon, options.List());
+      GDALDatasetCreateLayer(dataset, path.stem().c_str(), srs.get(), wkbPolygon, options.list());
   if (layer == nullptr) return false;
   std::size_t longest = 1;
   for (const std::string& id : content.ids) longest = std::max(longest, id.size());
@@ -111,7 +111,7 @@ void write_footprints(const fs::path& path, std::span<const Polygon> polygons,
   const std::string canonical = normalise_crs(crs);
   const gdal::MemoryFolder folder;
   gdal::QuietErrors errors;
-  const CPLConfigOptionSetter fixed_date("OGR_CURRENT_DATE", "1970-01-01T00:00:00Z", false);
+  const gdal::ConfigOption fixed_date("OGR_CURRENT_DATE", "1970-01-01T00:00:00Z");
   gdal::Dataset dataset(GDALCreate(GDALGetDriverByName(driver),
                                    folder.path(path.filename().string()).c_str(), 0, 0, 0,
                                    GDT_Unknown, nullptr));

@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include <cpl_vsi.h>
 #include <fmt/format.h>
 
+#include "io/deferred/gdal_functions.h"
 #include "io/file/input_file.h"
 #include "io/vector/vector_open.h"
 
@@ -77,12 +77,12 @@ class QuoteScan {
 
 }  // namespace
 
-void find_polygons(const std::string& name, CPLStringList& options, gdal::Dataset& dataset) {
+void find_polygons(const std::string& name, gdal::StringList& options, gdal::Dataset& dataset) {
   for (const char* column : {"geometry", "geom", "the_geom", "wkb_geometry", "geom_wkt",
                              "geometry_wkt", "wkb", ".geo", "shape", "polygon", "footprint"}) {
-    options.SetNameValue("GEOM_POSSIBLE_NAMES", column);
+    options.set("GEOM_POSSIBLE_NAMES", column);
     const gdal::QuietErrors errors;
-    gdal::Dataset other(GDALOpenEx(name.c_str(), GDAL_OF_VECTOR, nullptr, options.List(), nullptr));
+    gdal::Dataset other(GDALOpenEx(name.c_str(), GDAL_OF_VECTOR, nullptr, options.list(), nullptr));
     if (other == nullptr || !first_layer_holds_polygons(other.get())) continue;
     dataset = std::move(other);
     return;

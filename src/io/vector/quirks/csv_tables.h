@@ -13,7 +13,7 @@ namespace tetropolis {
 /// GDAL itself knows only those that begin with WKT. Or else as lines of GeoJSON, which Microsoft's
 /// building footprints are by the name of .csv.gz. `name`: of the file for GDAL; the options get
 /// the column.
-void find_polygons(const std::string& name, CPLStringList& options, gdal::Dataset& dataset);
+void find_polygons(const std::string& name, gdal::StringList& options, gdal::Dataset& dataset);
 
 /// Throws Error(kInput) naming the line, if a CSV file has a quote that is not closed before its
 /// end, or one within a field that swallows further lines: GDAL makes one feature of all these

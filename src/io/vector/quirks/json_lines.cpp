@@ -3,11 +3,11 @@
 #include <cstdint>
 #include <fstream>
 
-#include <cpl_vsi.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "core/text.h"
+#include "io/deferred/gdal_functions.h"
 #include "io/file/input_file.h"
 
 namespace tetropolis {

@@ -1,0 +1,55 @@
+// Libraries that are loaded when first needed.
+#include "io/deferred/deferred_library.h"
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include "tetropolis/core/error.h"
+
+namespace tetropolis {
+namespace {
+
+/// The message of the error; "" if there was none.
+template <typename Call>
+std::string message_of(Call call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+    return error.what();
+  }
+  return "";
+}
+
+TEST(DeferredLibrary, IsFoundByNameWhereverItIs) {
+  static constinit DeferredLibrary library("/nowhere/libz.so.1");
+  static constinit const DeferredFunction<decltype(::zlibVersion)> version(library, "zlibVersion");
+  std::array<const char* (*)(), 8> found{};
+  std::array<std::thread, 8> threads;
+  for (std::size_t i = 0; i < threads.size(); ++i)
+    threads[i] = std::thread([&, i] { found[i] = version; });
+  for (std::thread& t : threads) t.join();
+  for (const auto each : found) EXPECT_EQ(each, &::zlibVersion);  // that which is linked
+  EXPECT_STREQ(version(), ZLIB_VERSION);
+}
+
+TEST(DeferredLibrary, TellsWhatIsMissing) {
+  DeferredLibrary none("/nowhere/libtetropolis_none.so.7");
+  for (int i = 0; i < 2; ++i) {  // it may be there at the next attempt
+    const std::string message = message_of([&] { none.address("zlibVersion"); });
+    EXPECT_NE(message.find("libtetropolis_none.so.7: "), std::string::npos) << message;
+    EXPECT_NE(message.find("install"), std::string::npos) << message;
+  }
+  DeferredLibrary zlib("/nowhere/libz.so.1");
+  const std::string message = message_of([&] { zlib.address("tetropolis_none"); });
+  EXPECT_NE(message.find("libz.so.1"), std::string::npos) << message;
+  EXPECT_NE(message.find("tetropolis_none"), std::string::npos) << message;
+}
+
+}  // namespace
+}  // namespace tetropolis
