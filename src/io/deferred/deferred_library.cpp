@@ -12,7 +12,10 @@ namespace tetropolis {
 
 void* DeferredLibrary::address(const char* symbol) {
   std::call_once(once_, [&] { load(); });
-  void* address = dlsym(handle_, symbol);
+  // As the library itself resolves it: a program that is linked with it, too, may hold its
+  // variables.
+  void* address = dlsym(RTLD_DEFAULT, symbol);
+  if (address == nullptr) address = dlsym(handle_, symbol);
   if (address == nullptr)
     throw Error(ErrorKind::kUsage,
                 fmt::format("{}: has no {}; install the release that Tetropolis was built with",

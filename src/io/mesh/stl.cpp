@@ -29,8 +29,10 @@ constexpr std::string_view kOriginMark = "tetropolis origin ";
 
 using Corner = std::array<float, 3>;
 
-/// Of what is written, so that it fits the corners as a reader has them.
-Corner unit_normal(const std::array<Corner, 3>& p) {
+/// Of what is written, so that it fits the corners as a reader has them. Apart from the rounding of
+/// the corners: GCC 12 takes two doubles that become single and double again, side by side, for
+/// unchanged.
+[[gnu::noinline]] Corner unit_normal(const std::array<Corner, 3>& p) {
   const auto side = [&](std::size_t corner, std::size_t axis) {
     return static_cast<double>(p[corner][axis]) - static_cast<double>(p[0][axis]);
   };

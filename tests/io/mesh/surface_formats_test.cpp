@@ -1,3 +1,4 @@
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <set>
@@ -80,15 +81,18 @@ TEST_F(SurfaceFormats, StlHasUnitNormalsAndIsAsWatertightAsTheSurface) {
     const auto normal = file.take<Corner>();
     const auto p = file.take<std::array<Corner, 3>>();
     file.take<std::uint16_t>();
-    const auto dot = [&](std::size_t from, std::size_t to) {
-      double sum = 0;
-      for (std::size_t c = 0; c < 3; ++c)
-        sum += static_cast<double>(normal[c]) *
-               (static_cast<double>(p[to][c]) - static_cast<double>(p[from][c]));
-      return sum;
+    // The sine of the angle by which a side rises out of the plane, to the rounding of the normal.
+    const auto rise = [&](std::size_t to) {
+      double dot = 0, square = 0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double side = static_cast<double>(p[to][c]) - static_cast<double>(p[0][c]);
+        dot += static_cast<double>(normal[c]) * side;
+        square += side * side;
+      }
+      return dot / std::sqrt(square);
     };
-    ASSERT_NEAR(dot(0, 1), 0, 1e-5);
-    ASSERT_NEAR(dot(0, 2), 0, 1e-5);
+    ASSERT_NEAR(rise(1), 0, 1e-7);
+    ASSERT_NEAR(rise(2), 0, 1e-7);
     double length = 0;
     for (const float x : normal) length += static_cast<double>(x) * static_cast<double>(x);
     ASSERT_NEAR(length, 1, 1e-6);
