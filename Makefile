@@ -62,6 +62,7 @@ site:
 
 # A Debian package of the program, and one of the library.
 package: deps
+	@scripts/install-deps package
 	@scripts/build package
 	@cd build-package && cpack -G DEB >/dev/null && ls $$PWD/*.deb
 

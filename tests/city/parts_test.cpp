@@ -130,9 +130,9 @@ TEST(RaiseRoofs, PartsFollowEditsOfTheHeight) {
   for (const std::size_t b : {0, 2})
     for (std::size_t k = 0; k < before.buildings[b].parts.size(); ++k) EXPECT_EQ(risen(b, k), 0);
   // A height that is none for a while.
-  city.buildings[2].h_roof = before.buildings[2].h_roof - 0.5;
+  city.buildings[2].h_roof = before.buildings[2].h_roof + 0.5;
   follow_roof_heights(city, heights);
-  EXPECT_NEAR(risen(2, 0), -0.5, 1e-9);
+  EXPECT_NEAR(risen(2, 0), 0.5, 1e-9);
   // Lowered to a third, no part goes below the least height that building parts have.
   CityModel low = before;
   heights = roof_heights(low);

@@ -36,6 +36,9 @@ class Index {
     return static_cast<std::size_t>(value_);
   }
 
+  /// For fmt 10 and later, which makes nothing else of it by itself.
+  friend constexpr Number format_as(Index index) { return index.value_; }
+
   friend constexpr bool operator==(Index, Index) = default;
   friend constexpr std::strong_ordering operator<=>(Index, Index) = default;
   /// With unsigned integers an index that is not valid is larger than any size.

@@ -26,6 +26,9 @@ class PointCoordinate {
       : tenths_(nearest(std::clamp(metres, -kMost, kMost) * kPerMetre)) {}
   operator double() const { return tenths_ / kPerMetre; }  // NOLINT(google-explicit-constructor)
 
+  /// For fmt 10 and later, which makes nothing else of it by itself.
+  friend double format_as(PointCoordinate coordinate) { return coordinate; }
+
   /// For loops over many. Precondition: at most kMost * kPerMetre either side of 0.
   static PointCoordinate of_tenth_millimetres(double tenths) {
     PointCoordinate result;

@@ -517,7 +517,7 @@ TEST(Vector, QuotesThatSwallowLinesAreErrors) {
     return read_footprints(write_text(folder / "a.csv", "id,name,WKT\n" + rows)).features.size();
   };
   EXPECT_EQ(read("1,x," + polygon + "2,\"two\nlines\"," + polygon + "3,y," + polygon), 3U);
-  EXPECT_EQ(read("1,\"a \"\"b\"\" c\", " + polygon + "2,pipe 5\" to 6\"," + polygon), 2U);
+  EXPECT_EQ(read("1,\"a \"\"b\"\" c\"," + polygon + "2,pipe 5\" to 6\"," + polygon), 2U);
   EXPECT_EQ(read("1,\"5\"\" to\n6\"\"\"," + polygon + "2,x," + polygon), 2U);
   for (const auto& [broken, line] :
        {std::pair{"2,\"Bakery," + polygon, "line 3: "},
