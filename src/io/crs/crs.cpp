@@ -82,8 +82,8 @@ std::string stated_epsg(OGRSpatialReferenceH srs) {
 bool is_known(const std::string& code, OGRSpatialReferenceH srs) {
   const QuietErrors errors;
   const Srs known = parse_srs(code);
-  // GDAL 3.10 takes a code that EPSG does not have for one of ESRI's.
-  if (known == nullptr || stated_epsg(known.get()).empty()) return false;
+  // GDAL 3.10 takes a code that EPSG does not have for one of ESRI's, and has another for it.
+  if (known == nullptr || stated_epsg(known.get()) != code) return false;
   return OSRIsProjected(srs) == 0 || is_metre(OSRGetLinearUnits(srs, nullptr)) ||
          !is_metre(OSRGetLinearUnits(known.get(), nullptr));
 }
