@@ -1,10 +1,24 @@
 """Other packages take the results."""
+import base64
+import binascii
+
 import meshio
 import numpy as np
 import pytest
 import pyvista
 
 import tetropolis as tp
+
+
+def meshio_reads_vtu():
+    """It decodes an array with all behind it, which newer Pythons refuse."""
+    try:
+        return base64.b64decode("AAA=AAAA") is not None
+    except binascii.Error:
+        return False
+
+
+needs_meshio_for_vtu = pytest.mark.skipif(not meshio_reads_vtu(), reason="meshio does not read VTU in this Python")
 
 
 def test_pyvista(mesh):
@@ -27,6 +41,7 @@ def test_pyvista(mesh):
         mesh.to_pyvista("global")
 
 
+@needs_meshio_for_vtu
 def test_meshio(mesh, tmp_path):
     ours = mesh.to_meshio()
     mesh.save(tmp_path / "city.vtu")
@@ -39,6 +54,7 @@ def test_meshio(mesh, tmp_path):
     assert len(mesh.boundary.to_meshio().cells_dict["triangle"]) == len(mesh.boundary.triangles)
 
 
+@needs_meshio_for_vtu
 @pytest.mark.parametrize("settings", [{"boundary_layers": 3}, {"cells": "prisms"}])
 def test_prisms_are_those_of_the_file(shared_city, settings, tmp_path):
     mesh = tp.build_mesh(shared_city, **settings)
