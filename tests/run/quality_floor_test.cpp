@@ -35,7 +35,13 @@ namespace fs = std::filesystem;
 
 void expect_good_angles(const VolumeMeshFacts& mesh) {
   EXPECT_GE(mesh.dihedral_min, 8);
-  EXPECT_GE(mesh.dihedral_p0_01, 12);
+  // All but one in 10,000; of fewer, the quantile is the worst.
+  if (mesh.cells < 10'000)
+    EXPECT_LE(std::count_if(mesh.worst.begin(), mesh.worst.end(),
+                            [](const WorstCell& cell) { return cell.min_dihedral_deg < 12; }),
+              1);
+  else
+    EXPECT_GE(mesh.dihedral_p0_01, 12) << mesh.cells;
   EXPECT_LE(mesh.dihedral_max, 160);
   EXPECT_LT(mesh.faces.worst.non_orthogonality_deg, 70);
   EXPECT_EQ(mesh.faces.above_70, 0);
