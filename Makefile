@@ -61,7 +61,7 @@ site:
 	@scripts/site
 
 # A Debian package of the program, and one of the library.
-package: deps
+package:
 	@scripts/install-deps package
 	@scripts/build package
 	@cd build-package && cpack -G DEB >/dev/null && ls $$PWD/*.deb

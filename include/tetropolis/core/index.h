@@ -36,7 +36,7 @@ class Index {
     return static_cast<std::size_t>(value_);
   }
 
-  /// For fmt 10 and later, which makes nothing else of it by itself.
+  /// What fmt prints; from release 10 on it converts nothing by itself.
   friend constexpr Number format_as(Index index) { return index.value_; }
 
   friend constexpr bool operator==(Index, Index) = default;

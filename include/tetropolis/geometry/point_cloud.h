@@ -26,7 +26,7 @@ class PointCoordinate {
       : tenths_(nearest(std::clamp(metres, -kMost, kMost) * kPerMetre)) {}
   operator double() const { return tenths_ / kPerMetre; }  // NOLINT(google-explicit-constructor)
 
-  /// For fmt 10 and later, which makes nothing else of it by itself.
+  /// What fmt prints; from release 10 on it converts nothing by itself.
   friend double format_as(PointCoordinate coordinate) { return coordinate; }
 
   /// For loops over many. Precondition: at most kMost * kPerMetre either side of 0.

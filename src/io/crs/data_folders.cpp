@@ -9,7 +9,7 @@
 #include <dlfcn.h>
 #include <link.h>
 
-#include "io/deferred/gdal_functions.h"
+#include "gdal_support.h"
 
 namespace tetropolis::gdal {
 
@@ -35,7 +35,7 @@ void use_own_data() {
   if (fs::is_directory(share / "gdal", error))
     CPLSetConfigOption("GDAL_DATA", (share / "gdal").c_str());
   if (!fs::is_regular_file(share / "proj" / "proj.db", error)) return;
-  gdal::StringList folders;
+  StringList folders;
   folders.add((share / "proj").c_str());
   // PROJ looks nowhere else once it has a list.
   for (const char* name : {"PROJ_DATA", "PROJ_LIB"}) {

@@ -9,22 +9,10 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
-#include "tetropolis/core/error.h"
+#include "support/errors.h"
 
 namespace tetropolis {
 namespace {
-
-/// The message of the error; "" if there was none.
-template <typename Call>
-std::string message_of(Call call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kUsage);
-    return error.what();
-  }
-  return "";
-}
 
 TEST(DeferredLibrary, IsFoundByNameWhereverItIs) {
   static constinit DeferredLibrary library("/nowhere/libz.so.1");
@@ -41,12 +29,14 @@ TEST(DeferredLibrary, IsFoundByNameWhereverItIs) {
 TEST(DeferredLibrary, TellsWhatIsMissing) {
   DeferredLibrary none("/nowhere/libtetropolis_none.so.7");
   for (int i = 0; i < 2; ++i) {  // it may be there at the next attempt
-    const std::string message = message_of([&] { none.address("zlibVersion"); });
+    const std::string message =
+        testing::error_of([&] { none.address("zlibVersion"); }, ErrorKind::kUsage);
     EXPECT_NE(message.find("libtetropolis_none.so.7: "), std::string::npos) << message;
     EXPECT_NE(message.find("install"), std::string::npos) << message;
   }
   DeferredLibrary zlib("/nowhere/libz.so.1");
-  const std::string message = message_of([&] { zlib.address("tetropolis_none"); });
+  const std::string message =
+      testing::error_of([&] { zlib.address("tetropolis_none"); }, ErrorKind::kUsage);
   EXPECT_NE(message.find("libz.so.1"), std::string::npos) << message;
   EXPECT_NE(message.find("tetropolis_none"), std::string::npos) << message;
 }
