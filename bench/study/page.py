@@ -188,8 +188,9 @@ WHOLE = """\
 ## Whole runs against their floor
 
 The floor is what no program avoids: a process that loads the libraries, LASzip alone on the points, `dd` of as many
-bytes as the run writes. All are measured in turns. On two threads city models are written while the mesh
-is begun.
+bytes as the run writes. All are measured in turns. Files are left to the cache of the system; where it makes writers
+wait for the disk, run and `dd` grow alike, and the ratio falls. On two threads city models are written while the
+mesh is begun.
 """
 CELLS = """\
 ## (a) Time per step against cells
