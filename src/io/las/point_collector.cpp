@@ -1,14 +1,12 @@
 #include "point_collector.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <new>
 #include <utility>
 
-#include <sys/mman.h>
-#include <unistd.h>
-
 #include "tetropolis/core/threads.h"
+
+#include "core/page_advice.h"
 
 namespace tetropolis {
 
@@ -21,11 +19,7 @@ void grow(Buffer<T>& values, std::size_t size) {
   const std::size_t first = values.size();
   values.resize(size);
 #ifdef MADV_POPULATE_WRITE
-  static const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
-  const auto begin = (reinterpret_cast<std::uintptr_t>(values.data() + first) + page - 1) / page;
-  const auto end = reinterpret_cast<std::uintptr_t>(values.data() + size) / page;
-  if (begin < end)
-    madvise(reinterpret_cast<void*>(begin * page), (end - begin) * page, MADV_POPULATE_WRITE);
+  advise_pages(values.data() + first, values.data() + size, MADV_POPULATE_WRITE);
 #endif
 }
 

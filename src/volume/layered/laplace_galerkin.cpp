@@ -7,6 +7,7 @@
 #include "core/parallel.h"
 #include "core/ragged_builder.h"
 #include "core/wide.h"
+#include "laplace_rows.h"
 
 namespace tetropolis {
 
@@ -57,13 +58,13 @@ class RowBuilder {
     rows_.bands.resize(rows_.edges.size() * 3 * m_, 0.0F);
   }
 
-  /// to += weight * from, for the bands of an edge or a column.
-  TETROPOLIS_INLINE static void add_scaled(float* __restrict to, const float* from, float weight,
-                                           std::size_t m) {
+  /// to += weight * from, for a band.
+  TETROPOLIS_INLINE static void add_band(float* to, const float* from, float weight,
+                                         std::size_t m) {
     if (m == 1) {
       *to += weight * *from;
     } else {
-      for (std::size_t k = 0; k < m; ++k) to[k] += weight * from[k];
+      add_scaled(to, from, weight, m);
     }
   }
 
@@ -80,14 +81,14 @@ class RowBuilder {
       if (c < row) break;
       const float w = weight * shares[i].weight;
       if (c == row) {
-        add_scaled(b.coarse_.diagonal.data() + row * m, level, w, m);
-        if (rising != nullptr) add_scaled(b.coarse_.vertical.data() + row * m, rising, w, m);
+        add_band(b.coarse_.diagonal.data() + row * m, level, w, m);
+        if (rising != nullptr) add_band(b.coarse_.vertical.data() + row * m, rising, w, m);
       } else {
         if (b.met_[c] == kNone) b.meet(c);
         float* bands = b.rows_.bands.data() + b.met_[c] * 3 * m;
-        add_scaled(bands, level, w, m);
-        if (rising != nullptr) add_scaled(bands + m, rising, w, m);
-        if (falling != nullptr) add_scaled(bands + 2 * m, falling, w, m);
+        add_band(bands, level, w, m);
+        if (rising != nullptr) add_band(bands + m, rising, w, m);
+        if (falling != nullptr) add_band(bands + 2 * m, falling, w, m);
       }
     }
   }

@@ -1,21 +1,15 @@
 // The hot loops of the solver: everything runs up contiguous columns, several rows at a time.
 #include <cstddef>
 #include <cstring>
+#include <type_traits>
 
 #include "core/wide.h"
 #include "laplace_level.h"
+#include "laplace_rows.h"
 
 namespace tetropolis {
 
 namespace {
-
-using Rows8 = float __attribute__((vector_size(32)));
-using Rows4 = float __attribute__((vector_size(16)));
-
-template <typename Rows>
-TETROPOLIS_INLINE void load(Rows& rows, const float* from) {
-  std::memcpy(&rows, from, sizeof(Rows));
-}
 
 /// Rows [k0, k0 + count * size of Rows) of A x in column v, into y (the column's own). Row 0 and
 /// a given top hold nonsense afterwards.
@@ -124,22 +118,41 @@ struct Accumulator {
   TETROPOLIS_INLINE double sum() const { return total[0] + total[1] + total[2] + total[3]; }
 };
 
-/// In place: y = T^-1 y, by the Thomas algorithm.
-TETROPOLIS_INLINE void solve_column(const LevelMatrix& a, std::size_t v, float* y) {
-  const float* pivot = a.inverse_pivots.data() + v * a.stride;
-  const float* vertical = a.vertical.data() + (a.uniform ? v : v * a.stride);
-  const std::size_t step = a.uniform ? 0 : 1;
-  float previous = 0;
+/// Columns that are solved together: each waits for its own last row.
+constexpr std::size_t kTogether = 4;
+
+/// In place: y = T^-1 y in columns v to v + kColumns, by the Thomas algorithm.
+template <std::size_t kColumns>
+TETROPOLIS_INLINE void solve_together(const LevelMatrix& a, std::size_t v, float* y) {
+  const std::size_t stride = a.stride, step = a.uniform ? 0 : 1, next = a.uniform ? 1 : stride;
+  const float* const pivot = a.inverse_pivots.data() + v * stride;
+  const float* const vertical = a.vertical.data() + v * next;
+  float previous[kColumns] = {};
   for (std::size_t k = 1; k < a.rows; ++k) {
-    previous = y[k] - vertical[(k - 1) * step] * pivot[k - 1] * previous;
-    y[k] = previous;
+    for (std::size_t c = 0; c < kColumns; ++c) {
+      const float factor = vertical[c * next + (k - 1) * step] * pivot[c * stride + k - 1];
+      previous[c] = y[c * stride + k] - factor * previous[c];
+      y[c * stride + k] = previous[c];
+    }
   }
-  previous = 0;
+  for (std::size_t c = 0; c < kColumns; ++c) previous[c] = 0;
   for (std::size_t k = a.rows; k-- > 1;) {
-    previous = y[k] * pivot[k] - vertical[k * step] * pivot[k] * previous;
-    y[k] = previous;
+    for (std::size_t c = 0; c < kColumns; ++c) {
+      const float p = pivot[c * stride + k];
+      previous[c] = y[c * stride + k] * p - vertical[c * next + k * step] * p * previous[c];
+      y[c * stride + k] = previous[c];
+    }
   }
-  y[0] = 0;
+  for (std::size_t c = 0; c < kColumns; ++c) y[c * stride] = 0;
+}
+
+/// Calls body(v, columns), `columns` a constant, for runs of columns to be solved together.
+template <typename Body>
+TETROPOLIS_INLINE void in_runs(ColumnRange range, const Body& body) {
+  std::size_t v = range.begin;
+  for (; v + kTogether <= range.end; v += kTogether)
+    body(v, std::integral_constant<std::size_t, kTogether>{});
+  for (; v < range.end; ++v) body(v, std::integral_constant<std::size_t, 1>{});
 }
 
 }  // namespace
@@ -172,12 +185,13 @@ TETROPOLIS_WIDE void residual(const LevelMatrix& a, const LevelGraph& graph, con
 
 TETROPOLIS_WIDE void solve_columns(const LevelMatrix& a, float w, const float* b, float* x,
                                    ColumnRange range) {
-  for (std::size_t v = range.begin; v < range.end; ++v) {
-    float* xv = x + v * a.stride;
-    const float* bv = b + v * a.stride;
-    for (std::size_t k = 0; k < a.stride; ++k) xv[k] = w * bv[k];
-    solve_column(a, v, xv);
-  }
+  in_runs(
+      range, [&](std::size_t v, auto columns) __attribute__((always_inline)) {
+        float* const xv = x + v * a.stride;
+        const float* const bv = b + v * a.stride;
+        for (std::size_t i = 0; i < columns * a.stride; ++i) xv[i] = w * bv[i];
+        solve_together<columns>(a, v, xv);
+      });
 }
 
 TETROPOLIS_WIDE double sweep(const LevelMatrix& a, const LevelGraph& graph, float w, const float* b,
@@ -185,18 +199,22 @@ TETROPOLIS_WIDE double sweep(const LevelMatrix& a, const LevelGraph& graph, floa
   Accumulator dot;
   with_product(
       a, [&](const auto& column_of) __attribute__((always_inline)) {
-        for (std::size_t v = range.begin; v < range.end; ++v) {
-          float* yv = y + v * a.stride;
-          const float* bv = b + v * a.stride;
-          const float* xv = x + v * a.stride;
-          const float* pivot = a.inverse_pivots.data() + v * a.stride;
-          column_of(a, graph, x, v, yv);
-          for (std::size_t k = 0; k < a.stride; ++k) yv[k] = w * (bv[k] - yv[k]);
-          solve_column(a, v, yv);
-          // Interpolation has put something into nodes with given values as well.
-          for (std::size_t k = 0; k < a.stride; ++k) yv[k] += pivot[k] != 0 ? xv[k] : 0.0F;
-          dot.add(bv, yv, a.stride);
-        }
+        in_runs(
+            range, [&](std::size_t v, auto columns) __attribute__((always_inline)) {
+              const std::size_t size = columns * a.stride;
+              float* const yv = y + v * a.stride;
+              const float* const bv = b + v * a.stride;
+              const float* const xv = x + v * a.stride;
+              const float* const pivot = a.inverse_pivots.data() + v * a.stride;
+              for (std::size_t c = 0; c < columns; ++c)
+                column_of(a, graph, x, v + c, yv + c * a.stride);
+              for (std::size_t i = 0; i < size; ++i) yv[i] = w * (bv[i] - yv[i]);
+              solve_together<columns>(a, v, yv);
+              // Interpolation has put something into nodes with given values as well.
+              for (std::size_t i = 0; i < size; ++i) yv[i] += pivot[i] != 0 ? xv[i] : 0.0F;
+              for (std::size_t c = 0; c < columns; ++c)
+                dot.add(bv + c * a.stride, yv + c * a.stride, a.stride);
+            });
       });
   return dot.sum();
 }
@@ -204,24 +222,18 @@ TETROPOLIS_WIDE double sweep(const LevelMatrix& a, const LevelGraph& graph, floa
 TETROPOLIS_WIDE void restrict_columns(const Interpolation& p, std::size_t stride, const float* fine,
                                       float* coarse, ColumnRange range) {
   for (std::size_t c = range.begin; c < range.end; ++c) {
-    float* __restrict to = coarse + c * stride;
-    for (std::size_t k = 0; k < stride; ++k) to[k] = 0;
-    for (const auto& entry : p.fine[c]) {
-      const float* from = fine + entry.column * stride;
-      for (std::size_t k = 0; k < stride; ++k) to[k] += entry.weight * from[k];
-    }
+    float* const to = coarse + c * stride;
+    std::memset(to, 0, stride * sizeof(float));
+    for (const auto& entry : p.fine[c])
+      add_scaled(to, fine + entry.column * stride, entry.weight, stride);
   }
 }
 
 TETROPOLIS_WIDE void add_interpolated(const Interpolation& p, std::size_t stride,
                                       const float* coarse, float* fine, ColumnRange range) {
-  for (std::size_t v = range.begin; v < range.end; ++v) {
-    float* __restrict to = fine + v * stride;
-    for (const auto& entry : p.coarse[v]) {
-      const float* from = coarse + entry.column * stride;
-      for (std::size_t k = 0; k < stride; ++k) to[k] += entry.weight * from[k];
-    }
-  }
+  for (std::size_t v = range.begin; v < range.end; ++v)
+    for (const auto& entry : p.coarse[v])
+      add_scaled(fine + v * stride, coarse + entry.column * stride, entry.weight, stride);
 }
 
 }  // namespace tetropolis

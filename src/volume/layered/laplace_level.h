@@ -16,16 +16,22 @@
 
 #include "tetropolis/volume/column/edge_graph.h"
 
+#include "core/page_advice.h"
+
 namespace tetropolis {
 
 /// Floats with room before and after, so that vector loads shifted by one row stay inside; zero at
-/// first. Large ones get their memory from whichever thread touches it first.
+/// first. Large ones get their memory from whichever thread touches it first, in huge pages where
+/// the system has them: with small ones a sixth of a solve is spent on page faults.
 class PaddedFloats {
  public:
   PaddedFloats() = default;
   explicit PaddedFloats(std::size_t size)
       : values_(static_cast<float*>(std::calloc(size + 2 * kPad, sizeof(float)))), size_(size) {
     if (!values_) throw std::bad_alloc();
+#ifdef MADV_HUGEPAGE
+    if (size >= kLarge) advise_pages(values_.get(), data() + size, MADV_HUGEPAGE);
+#endif
   }
   float* data() { return values_.get() + kPad; }
   const float* data() const { return values_.get() + kPad; }
@@ -37,7 +43,7 @@ class PaddedFloats {
   struct Free {
     void operator()(float* values) const { std::free(values); }
   };
-  static constexpr std::size_t kPad = 16;
+  static constexpr std::size_t kPad = 16, kLarge = 1 << 20;
   std::unique_ptr<float[], Free> values_;
   std::size_t size_ = 0;
 };

@@ -180,10 +180,13 @@ MeasuredMesh::Stack MeasuredMesh::Sweep::stack_over(TriangleIndex t) const {
 
 Point2 MeasuredMesh::Sweep::gather(EdgeIndex e, TriangleIndex t,
                                    std::span<const TriangleIndex> block, Strip& strip) {
-  const auto found = std::lower_bound(block.begin(), block.end(), t);
+  // Mostly a block is a run of triangles.
+  std::size_t i = static_cast<std::size_t>(t - block.front());
+  if (!(i < block.size() && block[i] == t))
+    i = static_cast<std::size_t>(std::lower_bound(block.begin(), block.end(), t) - block.begin());
   Fronts fronts;
-  if (found != block.end() && *found == t) {
-    fronts = block_[static_cast<std::size_t>(found - block.begin())];
+  if (i < block.size() && block[i] == t) {
+    fronts = block_[i];
   } else {
     other_.clear();
     other_.add(mesh_, t);

@@ -39,10 +39,10 @@ class BinFinder {
   BinFinder(std::vector<double> bounds, double guided, double per_unit)
       : bounds_(std::move(bounds)), per_unit_(per_unit) {
     bounds_.push_back(kInfinity);
-    const auto steps = static_cast<std::size_t>((guided - bounds_.front()) * per_unit);
-    guide_.resize(steps);
+    steps_ = std::floor((guided - bounds_.front()) * per_unit);
+    guide_.resize(static_cast<std::size_t>(steps_));
     std::size_t bin = 0;
-    for (std::size_t i = 0; i < steps; ++i) {
+    for (std::size_t i = 0; i < guide_.size(); ++i) {
       const double value = bounds_.front() + (static_cast<double>(i) - 0.01) / per_unit;
       while (bounds_[bin + 1] <= value) ++bin;
       guide_[i] = static_cast<std::uint16_t>(bin);
@@ -51,11 +51,11 @@ class BinFinder {
   std::size_t operator()(double value) const {
     const double step = (value - bounds_.front()) * per_unit_;
     if (!(step > 0)) return 0;
-    if (!(step < static_cast<double>(guide_.size())))
+    if (step >= steps_)
       return static_cast<std::size_t>(std::upper_bound(bounds_.begin(), bounds_.end() - 1, value) -
                                       bounds_.begin()) -
              1;
-    std::size_t bin = guide_[static_cast<std::size_t>(step)];
+    std::size_t bin = guide_[static_cast<std::uint32_t>(static_cast<std::int32_t>(step))];
     bin += bounds_[bin + 1] <= value ? 1 : 0;  // mostly enough, and no branch
     while (bounds_[bin + 1] <= value) ++bin;
     return bin;
@@ -63,7 +63,7 @@ class BinFinder {
 
  private:
   std::vector<double> bounds_;
-  double per_unit_;
+  double per_unit_, steps_ = 0;
   std::vector<std::uint16_t> guide_;
 };
 

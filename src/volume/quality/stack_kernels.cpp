@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "core/infinity.h"
 #include "core/wide.h"
@@ -47,6 +48,31 @@ Base base_of(const Fronts& fronts) {
 
 TETROPOLIS_INLINE double greater(double a, double b) { return a < b ? b : a; }
 TETROPOLIS_INLINE double lesser(double a, double b) { return b < a ? b : a; }
+
+/// Leaves the greater one, or less if it is so, in `a`; of each lane.
+template <bool kGreatest, typename Values>
+TETROPOLIS_INLINE void pick(Values& a, const Values& b) {
+  if constexpr (kGreatest)
+    a = a < b ? b : a;
+  else
+    a = b < a ? b : a;
+}
+
+/// The greatest of a row and `first`, or the least.
+template <bool kGreatest>
+TETROPOLIS_INLINE double extreme_of(const double* row, std::size_t count, double first) {
+  using Lanes = double __attribute__((vector_size(32)));
+  constexpr std::size_t kLanes = sizeof(Lanes) / sizeof(double);
+  Lanes lanes = Lanes{} + first, next;
+  std::size_t k = 0;
+  for (; k + kLanes <= count; k += kLanes) {
+    std::memcpy(&next, row + k, sizeof(next));
+    pick<kGreatest>(lanes, next);
+  }
+  for (std::size_t i = 0; i < kLanes; ++i) pick<kGreatest>(first, double{lanes[i]});
+  for (; k < count; ++k) pick<kGreatest>(first, row[k]);
+  return first;
+}
 
 /// Of the vector (x, y, z), four times that from where a face is pierced to its centre: the
 /// squared skewness. `least`: 16 times the square of the least extent. The face's corners are as
@@ -171,6 +197,25 @@ TETROPOLIS_WIDE void measure_strip(std::size_t faces, const Gate s, const double
   }
 }
 
+TETROPOLIS_WIDE CellFigures cell_figures(std::size_t cells, const double* greatest,
+                                         const double* least, const double* aspect2,
+                                         const double* volumes) {
+  CellFigures figures;
+  figures.greatest = extreme_of<true>(greatest, cells, figures.greatest);
+  figures.least = extreme_of<false>(least, cells, figures.least);
+  figures.aspect2 = extreme_of<true>(aspect2, cells, figures.aspect2);
+  for (std::size_t k = 0; k < cells; ++k) figures.inverted += volumes[k] > 0 ? 0 : 1;
+  return figures;
+}
+
+TETROPOLIS_WIDE FaceFigures face_figures(std::size_t faces, const double* straight2,
+                                         const double* skewness2) {
+  FaceFigures figures;
+  figures.straight2 = extreme_of<false>(straight2, faces, figures.straight2);
+  figures.skewness2 = extreme_of<true>(skewness2, faces, figures.skewness2);
+  return figures;
+}
+
 }  // namespace
 
 void FrontStore::add(const ColumnMesh& mesh, TriangleIndex t) {
@@ -254,17 +299,6 @@ void StackKernels::make_room(std::size_t cells) {
   rows_.resize(kRows * stride_);
 }
 
-FaceFigures StackKernels::figures(std::size_t faces) {
-  FaceFigures result;
-  const double* const straight2 = at(kStraight2);
-  const double* const skewness2 = at(kSkewness2);
-  for (std::size_t k = 0; k < faces; ++k) {
-    result.straight2 = lesser(result.straight2, straight2[k]);
-    result.skewness2 = greater(result.skewness2, skewness2[k]);
-  }
-  return result;
-}
-
 void StackKernels::measure(const Fronts& fronts) {
   const std::size_t cells = fronts.cells;
   make_room(cells);
@@ -277,16 +311,8 @@ void StackKernels::measure(const Fronts& fronts) {
                 at(kAspect2), at(kVolumes), at(kX), at(kY), at(kFrom), at(kTo));
   measure_faces(cells - 1, base, z0, z1, z2, at(kNormalX), at(kNormalY), at(kNormalZ), at(kX),
                 at(kY), at(kFrom), at(kTo), at(kStraight2), at(kSkewness2));
-  cells_ = {};
-  const auto greatest = row(kGreatest), least = row(kLeast), aspect2 = row(kAspect2),
-             volumes = row(kVolumes);
-  for (std::size_t k = 0; k < cells; ++k) {
-    cells_.greatest = greater(cells_.greatest, greatest[k]);
-    cells_.least = lesser(cells_.least, least[k]);
-    cells_.aspect2 = greater(cells_.aspect2, aspect2[k]);
-    cells_.inverted += volumes[k] > 0 ? 0 : 1;
-  }
-  faces_ = figures(cells - 1);
+  cells_ = cell_figures(cells, at(kGreatest), at(kLeast), at(kAspect2), at(kVolumes));
+  faces_ = face_figures(cells - 1, at(kStraight2), at(kSkewness2));
 }
 
 FaceFigures StackKernels::measure_between(Point2 a, Point2 b, const std::array<Point2, 2>& opposite,
@@ -311,7 +337,7 @@ FaceFigures StackKernels::measure_between(Point2 a, Point2 b, const std::array<P
   measure_strip(count, gate, from(strips[0].a, 0), from(strips[0].b, 0),
                 from(strips[0].opposite, 0), from(strips[1].opposite, 1), at(kStraight2),
                 at(kSkewness2));
-  return figures(count);
+  return face_figures(count, at(kStraight2), at(kSkewness2));
 }
 
 }  // namespace tetropolis

@@ -94,7 +94,6 @@ class StackKernels {
   double* at(Row r) { return rows_.data() + r * stride_; }
   std::span<const double> row(Row r) const { return {rows_.data() + r * stride_, size_}; }
   void make_room(std::size_t cells);
-  FaceFigures figures(std::size_t faces);
 
   std::vector<double> rows_;
   std::size_t stride_ = 0, size_ = 0;
