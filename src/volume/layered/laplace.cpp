@@ -203,7 +203,7 @@ void ConjugateGradients::solve(const LaplaceOptions& options, const Progress& pr
 
 SolverReport solve_laplace(const LayeredMesh& mesh, std::vector<float>& u,
                            const LaplaceOptions& options, const Progress& progress) {
-  const bool uniform = options.fixed_top && mesh.layers > 1 && is_uniform(mesh);
+  const bool uniform = mesh.layers > 1 && is_uniform(mesh);
   Stiffness stiffness = assemble_stiffness(mesh, uniform);
   LevelMatrix& matrix = stiffness.matrix;
   matrix.given_top = options.fixed_top;

@@ -4,7 +4,7 @@
 // ground-mesh edge a < b couples node (a, k) with (b, k) and, along the prisms' diagonals, with
 // (b, k + 1), and nothing else: the matrix is two bands of K + 1 numbers per edge and one per
 // vertex, with no column indices. Where all layers are still alike, as in the first of the two
-// solves, one number stands for a band.
+// solves, two numbers stand for a band.
 #pragma once
 
 #include <cstdint>

@@ -197,8 +197,10 @@ void assemble_uniform_edge(const EdgeGraph& edges, const std::vector<FlatTriangl
   for (const TriangleIndex t : edges.triangles[e])
     if (t != kNoTriangle)
       add_side(flat[t], prism.columns(), slot_of(edges, t, e), level.data(), rising.data());
-  matrix.edge[2 * e] = level[1];
-  matrix.edge[2 * e + 1] = rising[1];
+  float* const bands = matrix.edge.data() + 2 * e * matrix.band();
+  bands[0] = level[1];
+  bands[1] = level[2];
+  bands[matrix.band()] = rising[1];
 }
 
 /// The edge's cotangent weight in the plan, less the share of the height that is trimmed.
@@ -261,7 +263,7 @@ Stiffness assemble_stiffness(const LayeredMesh& mesh, bool uniform) {
   matrix.stride = padded_rows(mesh.stride());
   matrix.uniform = uniform;
   matrix.bands = 2;
-  const std::size_t m = uniform ? 1 : matrix.stride;
+  const std::size_t m = matrix.band();
   matrix.edge = PaddedFloats(mesh.edges.size() * 2 * m);
   matrix.vertical = PaddedFloats(mesh.vertex_count() * m);
   result.weights.resize(mesh.edges.size());
@@ -297,7 +299,7 @@ Stiffness assemble_stiffness(const LayeredMesh& mesh, bool uniform) {
 PaddedFloats complete_diagonal(const LayeredMesh& mesh, const std::vector<float>& u,
                                LevelMatrix& matrix) {
   const std::size_t n = mesh.stride(), stride = matrix.stride;
-  const std::size_t m = matrix.uniform ? 1 : stride;
+  const std::size_t m = matrix.band();
   matrix.diagonal = PaddedFloats(mesh.vertex_count() * m);
   PaddedFloats r(mesh.vertex_count() * stride);
   parallel_chunks(mesh.vertex_count(), 256, [&](std::size_t begin, std::size_t end) {
@@ -308,9 +310,12 @@ PaddedFloats complete_diagonal(const LayeredMesh& mesh, const std::vector<float>
       const float* own = u.data() + v * n;
       // Rows k with rows k + shift of the other column, by band[k] or, downwards, band[k - 1].
       const auto add = [&](const float* band, const float* other, int shift) {
-        const std::size_t from = shift < 0 ? 1 : 0;
+        const std::size_t from = shift < 0 ? 1 : 0, top = n - 1;
         add_band({couplings.data() + from, product.data() + from}, band, matrix.uniform, own + from,
-                 shift > 0 ? other + 1 : other, shift == 0 ? n : n - 1);
+                 shift > 0 ? other + 1 : other, top);
+        if (shift == 0)
+          add_band({couplings.data() + top, product.data() + top}, band + matrix.in_band(top), true,
+                   own + top, other + top, 1);
       };
       const float* vertical = matrix.vertical.data() + v * m;
       add(vertical, own, 1);
@@ -327,7 +332,8 @@ PaddedFloats complete_diagonal(const LayeredMesh& mesh, const std::vector<float>
       }
       float* diagonal = matrix.diagonal.data() + v * m;
       if (matrix.uniform) {
-        *diagonal = -couplings[1];
+        diagonal[0] = -couplings[1];
+        diagonal[1] = -couplings[n - 1];
       } else {
         for (std::size_t k = 0; k < n; ++k) diagonal[k] = -couplings[k];
       }

@@ -19,8 +19,8 @@ struct Stiffness {
 };
 
 /// Assembles `edge` and `vertical` of the linear finite element stiffness matrix of the cells of
-/// `mesh`, for all rows and before anything is known of given values. `uniform` asks for one number
-/// a band, that of the layers between bottom and top; precondition: is_uniform(mesh).
+/// `mesh`, for all rows and before anything is known of given values. `uniform` asks for bands of
+/// two numbers, of layers between bottom and top and of the top; precondition: is_uniform(mesh).
 /// The same bits for any number of threads. Precondition: all vertical edges of cells are positive.
 Stiffness assemble_stiffness(const LayeredMesh& mesh, bool uniform);
 

@@ -37,7 +37,7 @@ class RowBuilder {
         p_(p),
         coarse_(coarse),
         rows_(rows),
-        m_(fine.uniform ? 1 : fine.stride),
+        m_(fine.band()),
         met_(p.fine.size(), kNone) {}
 
   void build(std::size_t row) {
@@ -61,8 +61,8 @@ class RowBuilder {
   /// to += weight * from, for a band.
   TETROPOLIS_INLINE static void add_band(float* to, const float* from, float weight,
                                          std::size_t m) {
-    if (m == 1) {
-      *to += weight * *from;
+    if (m == 2) {
+      for (std::size_t k = 0; k < 2; ++k) to[k] += weight * from[k];
     } else {
       add_scaled(to, from, weight, m);
     }
@@ -133,6 +133,7 @@ void join(const std::vector<Rows>& parts, std::size_t m, CoarseLevel& level) {
   graph.edges.resize(edges);
   level.weights.resize(edges);
   level.matrix.edge = PaddedFloats(edges * 3 * m);
+  const std::size_t step = level.matrix.uniform ? m : 1;  // All rows but one are alike.
   parallel_chunks(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Rows& rows = parts[i];
@@ -144,7 +145,7 @@ void join(const std::vector<Rows>& parts, std::size_t m, CoarseLevel& level) {
         const float* from = rows.bands.data() + edge.met * 3 * m;
         std::memcpy(level.matrix.edge.data() + e * 3 * m, from, 3 * m * sizeof(float));
         float sum = 0;
-        for (std::size_t k = 0; k < 3 * m; ++k) sum -= from[k];
+        for (std::size_t k = 0; k < 3 * m; k += step) sum -= from[k];
         level.weights[e] = std::max(sum, 0.0F);
         graph.edges[e++] = {VertexIndex(rows.begin + row - 1), edge.upper};
       }
@@ -161,7 +162,7 @@ void join(const std::vector<Rows>& parts, std::size_t m, CoarseLevel& level) {
 void invert_pivots(LevelMatrix& matrix, std::size_t columns) {
   const std::size_t stride = matrix.stride, rows = matrix.rows;
   matrix.inverse_pivots = PaddedFloats(columns * stride);
-  const std::size_t m = matrix.uniform ? 1 : stride;
+  const std::size_t m = matrix.band();
   parallel_chunks(columns, 512, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       const float* vertical = matrix.vertical.data() + v * m;
@@ -169,7 +170,7 @@ void invert_pivots(LevelMatrix& matrix, std::size_t columns) {
       float* pivots = matrix.inverse_pivots.data() + v * stride;
       float previous = 0;  // what elimination takes from the next row's diagonal
       for (std::size_t k = 1; k < (matrix.given_top ? rows - 1 : rows); ++k) {
-        const std::size_t i = matrix.uniform ? 0 : k;
+        const std::size_t i = matrix.in_band(k);
         const float pivot = diagonal[i] - previous;
         pivots[k] = pivot > 0 ? 1 / pivot : 0.0F;
         previous = vertical[i] * vertical[i] * pivots[k];
@@ -180,7 +181,7 @@ void invert_pivots(LevelMatrix& matrix, std::size_t columns) {
 
 CoarseLevel coarse_level(const LevelMatrix& fine, const LevelGraph& graph, const Interpolation& p) {
   const std::size_t columns = p.fine.size();
-  const std::size_t m = fine.uniform ? 1 : fine.stride;
+  const std::size_t m = fine.band();
   CoarseLevel level;
   level.matrix.rows = fine.rows;
   level.matrix.stride = fine.stride;

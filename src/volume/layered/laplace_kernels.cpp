@@ -11,14 +11,14 @@ namespace tetropolis {
 
 namespace {
 
-/// Rows [k0, k0 + count * size of Rows) of A x in column v, into y (the column's own). Row 0 and
-/// a given top hold nonsense afterwards.
+/// Rows [k0, k0 + count * size of Rows) of A x in column v, into y (the column's own). Row 0, a
+/// top that is given or unlike other rows, and what is above it hold nonsense afterwards.
 template <bool kUniform, int kBands, typename Rows, int kCount>
 TETROPOLIS_INLINE void product_rows(const LevelMatrix& a, const LevelGraph& graph, const float* x,
                                     std::size_t v, std::size_t k0, float* y) {
   constexpr std::size_t size = sizeof(Rows) / sizeof(float);
   const std::size_t stride = a.stride;
-  const std::size_t band = kUniform ? 1 : stride;
+  const std::size_t band = a.band();
   Rows sum[kCount];
   Rows value, factor;
   const float* const xv = x + v * stride + k0;
@@ -65,6 +65,27 @@ TETROPOLIS_INLINE void product_rows(const LevelMatrix& a, const LevelGraph& grap
     std::memcpy(y + k0 + size * static_cast<std::size_t>(i), &sum[i], sizeof(Rows));
 }
 
+/// The top row of A x in column v, of a uniform matrix.
+template <int kBands>
+TETROPOLIS_INLINE float product_at_top(const LevelMatrix& a, const LevelGraph& graph,
+                                       const float* x, std::size_t v) {
+  const std::size_t band = a.band(), top = a.rows - 1;
+  const float* const own = x + v * a.stride + top;
+  float sum = a.diagonal[v * band + 1] * own[0] + a.vertical[v * band] * own[-1];
+  for (const EdgeIndex e : graph.starting_at(v)) {
+    const float* bands = a.edge.data() + e * kBands * band;
+    const float* other = x + graph.edges[e][1] * a.stride + top;
+    sum += bands[1] * other[0];
+    if constexpr (kBands == 3) sum += bands[2 * band] * other[-1];
+  }
+  for (const EdgeIndex e : graph.ending_at(v)) {
+    const float* bands = a.edge.data() + e * kBands * band;
+    const float* other = x + graph.edges[e][0] * a.stride + top;
+    sum += bands[1] * other[0] + bands[band] * other[-1];
+  }
+  return sum;
+}
+
 /// Column v of A x.
 template <bool kUniform, int kBands>
 TETROPOLIS_INLINE void product(const LevelMatrix& a, const LevelGraph& graph, const float* x,
@@ -82,8 +103,9 @@ TETROPOLIS_INLINE void product(const LevelMatrix& a, const LevelGraph& graph, co
   }
   if (k < a.stride) product_rows<kUniform, kBands, Rows4, 1>(a, graph, x, v, k, y);
   y[0] = 0;
-  if (a.given_top)
+  if (a.given_top || kUniform)
     for (k = a.rows - 1; k < a.stride; ++k) y[k] = 0;
+  if (kUniform && !a.given_top) y[a.rows - 1] = product_at_top<kBands>(a, graph, x, v);
 }
 
 /// Calls kernel(product of a column), compiled for the kind of matrix.
@@ -124,7 +146,7 @@ constexpr std::size_t kTogether = 4;
 /// In place: y = T^-1 y in columns v to v + kColumns, by the Thomas algorithm.
 template <std::size_t kColumns>
 TETROPOLIS_INLINE void solve_together(const LevelMatrix& a, std::size_t v, float* y) {
-  const std::size_t stride = a.stride, step = a.uniform ? 0 : 1, next = a.uniform ? 1 : stride;
+  const std::size_t stride = a.stride, step = a.uniform ? 0 : 1, next = a.band();
   const float* const pivot = a.inverse_pivots.data() + v * stride;
   const float* const vertical = a.vertical.data() + v * next;
   float previous[kColumns] = {};

@@ -1,8 +1,8 @@
 // One grid of the multigrid solver: a matrix on columns, as bands. Private to the solver.
 //
 // A level couples node (a, k) of an edge a < b with (b, k), with (b, k + 1) and, on coarse levels,
-// (a, k + 1) with (b, k). In the first solve all layers are alike, and one number per edge stands
-// for a whole band.
+// (a, k + 1) with (b, k). In the first solve all layers are alike, and two numbers stand for a
+// whole band.
 #pragma once
 
 #include <array>
@@ -51,15 +51,15 @@ class PaddedFloats {
 /// Rows of a column are padded to a multiple of four.
 constexpr std::size_t padded_rows(std::size_t rows) { return (rows + 3) / 4 * 4; }
 
-/// The matrix of a level. With m = 1 if `uniform`, else `stride`:
+/// The matrix of a level. With m = band():
 ///   edge[(bands * e + 0) * m + k]   couples (a, k) with (b, k),      e = edge a < b
 ///   edge[(bands * e + 1) * m + k]   couples (a, k) with (b, k + 1)
 ///   edge[(bands * e + 2) * m + k]   couples (a, k + 1) with (b, k),  if bands == 3
 ///   vertical[m * v + k]             couples (v, k) with (v, k + 1)
 ///   diagonal[m * v + k]
 /// Values are given in row 0 and, if `given_top`, in row K; what the bands say of these rows is
-/// ignored. Other nodes with given values have rows and columns of zeros. Uniform matrices have a
-/// given top and no other given values.
+/// ignored. Other nodes with given values have rows and columns of zeros. Uniform matrices have no
+/// others; their bands are of two numbers: for all rows but the top, and for that.
 /// inverse_pivots[stride * v + k] are those of the columns' tridiagonal matrices, 0 where the value
 /// is given: solving up a column then leaves these nodes at zero.
 struct LevelMatrix {
@@ -69,6 +69,10 @@ struct LevelMatrix {
   bool given_top = false;
   int bands = 2;
   PaddedFloats edge, vertical, diagonal, inverse_pivots;
+
+  std::size_t band() const { return uniform ? 2 : stride; }
+  /// Where a band has row k.
+  std::size_t in_band(std::size_t k) const { return uniform ? (k + 1 == rows ? 1 : 0) : k; }
 };
 
 /// The graph of a level, numbered as EdgeGraph, which belongs to somebody else.
