@@ -176,7 +176,7 @@ places on 2.5 km x 2.5 km, here with rolling hills.
 scripts/bench --docs       # writes this page from the results
 ```
 
-`make bench` takes five to eleven minutes on an idle machine with two cores (`scripts/bench --quick`: two) and 15 GB of
+`make bench` takes five to thirteen minutes on an idle machine with two cores (`scripts/bench --quick`: two) and 15 GB of
 disk for the finest mesh, which is left out where there is less. It writes CSV files, charts and this page to
 `out/bench/`. `scripts/bench --only cells,threads` repeats single studies.
 
