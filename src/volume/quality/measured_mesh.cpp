@@ -180,12 +180,12 @@ MeasuredMesh::Stack MeasuredMesh::Sweep::stack_over(TriangleIndex t) const {
 
 Point2 MeasuredMesh::Sweep::gather(EdgeIndex e, TriangleIndex t,
                                    std::span<const TriangleIndex> block, Strip& strip) {
-  // Mostly a block is a run of triangles.
-  std::size_t i = static_cast<std::size_t>(t - block.front());
-  if (!(i < block.size() && block[i] == t))
+  auto i = static_cast<std::size_t>(t - block.front());
+  const auto is_found = [&] { return i < block.size() && block[i] == t; };
+  if (!is_found())  // Otherwise the block is a run of triangles, as mostly.
     i = static_cast<std::size_t>(std::lower_bound(block.begin(), block.end(), t) - block.begin());
   Fronts fronts;
-  if (i < block.size() && block[i] == t) {
+  if (is_found()) {
     fronts = block_[i];
   } else {
     other_.clear();

@@ -55,7 +55,8 @@ class BinFinder {
       return static_cast<std::size_t>(std::upper_bound(bounds_.begin(), bounds_.end() - 1, value) -
                                       bounds_.begin()) -
              1;
-    std::size_t bin = guide_[static_cast<std::uint32_t>(static_cast<std::int32_t>(step))];
+    // By way of an int: one instruction.
+    std::size_t bin = guide_[static_cast<std::size_t>(static_cast<int>(step))];
     bin += bounds_[bin + 1] <= value ? 1 : 0;  // mostly enough, and no branch
     while (bounds_[bin + 1] <= value) ++bin;
     return bin;
@@ -63,8 +64,9 @@ class BinFinder {
 
  private:
   std::vector<double> bounds_;
-  double per_unit_, steps_ = 0;
+  double per_unit_;
   std::vector<std::uint16_t> guide_;
+  double steps_ = 0;  // guide_.size()
 };
 
 /// Bins of dihedral angles by 1 - cosine, which grows with the angle.

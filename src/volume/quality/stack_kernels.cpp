@@ -6,10 +6,14 @@
 
 #include "core/infinity.h"
 #include "core/wide.h"
+#include "tet_lanes.h"
 
 namespace tetropolis {
 
 namespace {
+
+using lanes::greater;
+using lanes::lesser;
 
 /// What all fronts over a triangle share. Side i is opposite to corner i.
 struct Base {
@@ -46,10 +50,7 @@ Base base_of(const Fronts& fronts) {
   return s;
 }
 
-TETROPOLIS_INLINE double greater(double a, double b) { return a < b ? b : a; }
-TETROPOLIS_INLINE double lesser(double a, double b) { return b < a ? b : a; }
-
-/// Leaves the greater one, or less if it is so, in `a`; of each lane.
+/// Leaves the greater one, or the lesser, in `a`: of two numbers, or lane by lane.
 template <bool kGreatest, typename Values>
 TETROPOLIS_INLINE void pick(Values& a, const Values& b) {
   if constexpr (kGreatest)
@@ -63,13 +64,13 @@ template <bool kGreatest>
 TETROPOLIS_INLINE double extreme_of(const double* row, std::size_t count, double first) {
   using Lanes = double __attribute__((vector_size(32)));
   constexpr std::size_t kLanes = sizeof(Lanes) / sizeof(double);
-  Lanes lanes = Lanes{} + first, next;
+  Lanes best = Lanes{} + first, next;
   std::size_t k = 0;
   for (; k + kLanes <= count; k += kLanes) {
     std::memcpy(&next, row + k, sizeof(next));
-    pick<kGreatest>(lanes, next);
+    pick<kGreatest>(best, next);
   }
-  for (std::size_t i = 0; i < kLanes; ++i) pick<kGreatest>(first, double{lanes[i]});
+  for (std::size_t i = 0; i < kLanes; ++i) pick<kGreatest>(first, double{best[i]});
   for (; k < count; ++k) pick<kGreatest>(first, row[k]);
   return first;
 }
